@@ -16,7 +16,7 @@ using pliant_glue::ModelMesh;
 
 namespace {
 
-ModelMesh named( const char* name, ModelMesh mesh )
+ModelMesh asOnePart( const char* name, ModelMesh mesh )
 {
 	mesh.name = name;
 	mesh.submeshNames = { name };
@@ -42,7 +42,7 @@ ModelMesh makePalm( const PalmPlan& plan )
 	};
 	// Off the faces of the palm, so that no corner of the grid lies on them.
 	const float margin = 1.37f * d;
-	return named( "palm",
+	return asOnePart( "palm",
 		marchSurface( field, { -margin, -length - margin, -margin }, { 2 * half[0] + margin, 2 * half[1] + margin, 2 * half[2] + margin },
 			0.8f * d ) );
 }
@@ -91,7 +91,7 @@ ModelMesh makeHand()
 		}
 		return std::min( inside, p[1] ); // a flat foot
 	};
-	return named( "hand", marchSurface( field, { -0.47f, -0.013f, -0.17f }, { 0.31f, 0.95f, 0.17f }, 0.0147f ) );
+	return asOnePart( "hand", marchSurface( field, { -0.47f, -0.013f, -0.17f }, { 0.31f, 0.95f, 0.17f }, 0.0147f ) );
 }
 
 ModelMesh makeFlower( int petals )
@@ -120,7 +120,7 @@ ModelMesh makeFlower( int petals )
 		}
 		return std::min( join( head, stem, 0.02f ), p[1] );
 	};
-	return named( "flower", marchSurface( field, { -0.26f, -0.009f, -0.26f }, { 0.26f, 0.68f, 0.26f }, 0.0243f ) );
+	return asOnePart( "flower", marchSurface( field, { -0.26f, -0.009f, -0.26f }, { 0.26f, 0.68f, 0.26f }, 0.0243f ) );
 }
 
 } // namespace pliant_demos

@@ -10,7 +10,7 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr btScalar kReach = btScalar( 100 );        // m
+constexpr btScalar kGrabReach = btScalar( 100 );    // m
 constexpr btScalar kGrabCells = btScalar( 2.5 );    // radius of the held ball of nodes, in cells
 constexpr btScalar kFrequency = btScalar( 12 );     // rad/s: how eagerly the body follows the mouse
 constexpr btScalar kJointImpulse = btScalar( 0.5 ); // N s per kg
@@ -21,7 +21,7 @@ constexpr btScalar kJointTau = btScalar( 0.08 );
 void MouseGrab::grab( const btVector3& from, const btVector3& direction )
 {
 	release();
-	const btVector3 to = from + direction * kReach;
+	const btVector3 to = from + direction * kGrabReach;
 	btCollisionWorld::ClosestRayResultCallback hit( from, to );
 	m_world.rayTest( from, to, hit );
 	if ( !hit.hasHit() )

@@ -24,11 +24,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double secondsSince( Clock::time_point begin )
-{
-	return std::chrono::duration<double>( Clock::now() - begin ).count();
-}
-
 class HeadlessRun
 {
 public:

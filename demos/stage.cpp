@@ -30,11 +30,6 @@ Vec3 toVec3( const btVector3& v )
 
 using Clock = std::chrono::steady_clock;
 
-double secondsSince( Clock::time_point begin )
-{
-	return std::chrono::duration<double>( Clock::now() - begin ).count();
-}
-
 /// Contact points that no soft body has a part in; the step report counts the others.
 int rigidContacts( pliant::SoftBodyWorld& world )
 {

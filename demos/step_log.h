@@ -6,10 +6,16 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <chrono>
 #include <string>
 #include <vector>
 
 namespace pliant_demos {
+
+inline double secondsSince( std::chrono::steady_clock::time_point begin )
+{
+	return std::chrono::duration<double>( std::chrono::steady_clock::now() - begin ).count();
+}
 
 class StepLog
 {

@@ -100,7 +100,7 @@ private:
 	std::size_t m_number = 0;
 };
 
-struct Header
+struct OffHeader
 {
 	std::size_t vertices = 0;
 	std::size_t faces = 0;
@@ -108,13 +108,13 @@ struct Header
 	bool hasTexture = false;
 };
 
-ReadResult refuse( const std::string& what, const Lines& lines )
+ReadResult refuseAt( const std::string& what, const Lines& lines )
 {
 	return ReadResult::failure( FileCode::Unreadable, "OFF file, line " + std::to_string( lines.number() ) + ": " + what + "." );
 }
 
 /// [ST][C][N]OFF, then two or three counts on the same line or on the next. Returns what is wrong, or nothing.
-std::string readHeader( Lines& lines, Header& header )
+std::string readOffHeader( Lines& lines, OffHeader& header )
 {
 	std::string_view text;
 	if ( !lines.next( text ) )
@@ -152,7 +152,7 @@ std::string readHeader( Lines& lines, Header& header )
 	return line.next( header.vertices ) && line.next( header.faces ) ? "" : "the counts of vertices and faces are not there";
 }
 
-bool readVertex( Line line, const Header& header, ModelMesh& mesh )
+bool readVertex( Line line, const OffHeader& header, ModelMesh& mesh )
 {
 	float p[3];
 	if ( !line.next( p[0] ) || !line.next( p[1] ) || !line.next( p[2] ) )
@@ -189,7 +189,7 @@ bool readVertex( Line line, const Header& header, ModelMesh& mesh )
 }
 
 /// A face's corners as a fan of triangles. Returns what is wrong, or nothing.
-std::string readFace( Line line, const Header& header, const ReadLimits& limits, ModelMesh& mesh )
+std::string readFace( Line line, const OffHeader& header, const ReadLimits& limits, ModelMesh& mesh )
 {
 	std::size_t corners = 0;
 	if ( !line.next( corners ) )
@@ -222,10 +222,10 @@ std::string readFace( Line line, const Header& header, const ReadLimits& limits,
 ReadResult readOff( std::string_view text, const ReadLimits& limits )
 {
 	Lines lines( text );
-	Header header;
-	if ( const std::string wrong = readHeader( lines, header ); !wrong.empty() )
+	OffHeader header;
+	if ( const std::string wrong = readOffHeader( lines, header ); !wrong.empty() )
 	{
-		return refuse( wrong, lines );
+		return refuseAt( wrong, lines );
 	}
 	if ( header.vertices > limits.vertices )
 	{
@@ -236,7 +236,7 @@ ReadResult readOff( std::string_view text, const ReadLimits& limits )
 	// The shortest vertex is "0 0 0\n" and the shortest face "3 0 0 0\n": a header must not make us reserve what cannot be there.
 	if ( header.vertices > text.size() / 5 || header.faces > text.size() / 3 )
 	{
-		return refuse( "its header promises more than the file holds", lines );
+		return refuseAt( "its header promises more than the file holds", lines );
 	}
 
 	ReadResult result;
@@ -248,22 +248,22 @@ ReadResult readOff( std::string_view text, const ReadLimits& limits )
 	{
 		if ( !lines.next( line ) )
 		{
-			return refuse( "it ends after " + std::to_string( i ) + " of " + std::to_string( header.vertices ) + " vertices", lines );
+			return refuseAt( "it ends after " + std::to_string( i ) + " of " + std::to_string( header.vertices ) + " vertices", lines );
 		}
 		if ( !readVertex( Line( line ), header, mesh ) )
 		{
-			return refuse( "a vertex is not a row of numbers", lines );
+			return refuseAt( "a vertex is not a row of numbers", lines );
 		}
 	}
 	for ( std::size_t f = 0; f < header.faces; ++f )
 	{
 		if ( !lines.next( line ) )
 		{
-			return refuse( "it ends after " + std::to_string( f ) + " of " + std::to_string( header.faces ) + " faces", lines );
+			return refuseAt( "it ends after " + std::to_string( f ) + " of " + std::to_string( header.faces ) + " faces", lines );
 		}
 		if ( const std::string wrong = readFace( Line( line ), header, limits, mesh ); !wrong.empty() )
 		{
-			return refuse( wrong, lines );
+			return refuseAt( wrong, lines );
 		}
 	}
 	if ( mesh.indices.empty() )

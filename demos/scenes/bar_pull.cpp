@@ -17,17 +17,17 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr float kLength = 1.6f, kThickness = 0.32f; // m
-constexpr float kCell = 0.04f;                      // m: forty along, eight across
-constexpr int kCuts = 80;                           // of the mesh's faces: what is drawn of a piece ends with its last whole triangles
-constexpr float kGrip = 0.16f, kShoulder = 0.16f;   // m: held, and unbreakable beside it, as a specimen is thicker where it is held
-constexpr float kFree = kLength / 2 - kGrip;        // m from the middle to a grip
+constexpr float kBarPullLength = 1.6f, kThickness = 0.32f; // m
+constexpr float kBarPullCell = 0.04f;                      // m: forty along, eight across
+constexpr int kBarPullCuts = 80;                         // of the mesh's faces: what is drawn of a piece ends with its last whole triangles
+constexpr float kBarPullGrip = 0.16f, kShoulder = 0.16f; // m: held, and unbreakable beside it, as a specimen is thicker where it is held
+constexpr float kFree = kBarPullLength / 2 - kBarPullGrip; // m from the middle to a grip
 constexpr float kBreakStrain = 0.1f;
 constexpr float kRate = 0.05f;       // of strain a second: sound runs along the bar many times meanwhile
 constexpr float kRateParted = 0.25f; // so that the gap is seen
 constexpr double kDrawn = 5.2;       // s of film
 constexpr double kMaxStrain = 0.45;  // of what has parted: then it is left alone
-constexpr btScalar kHeight = btScalar( 0.35 ), kApart = btScalar( 0.62 );
+constexpr btScalar kBarPullHeight = btScalar( 0.35 ), kBarPullApart = btScalar( 0.62 );
 
 struct Specimen
 {
@@ -73,7 +73,7 @@ public:
 		}
 		for ( std::size_t i = 0; i < m_bars.size(); ++i )
 		{
-			m_bars[i].z = double( kApart ) * ( double( i ) - 0.5 * double( m_bars.size() - 1 ) );
+			m_bars[i].z = double( kBarPullApart ) * ( double( i ) - 0.5 * double( m_bars.size() - 1 ) );
 			if ( !put( stage, m_bars[i] ) )
 			{
 				return false;
@@ -141,10 +141,10 @@ private:
 	bool put( Stage& stage, Specimen& bar )
 	{
 		const float angle = float( bar.degrees ) * SIMD_RADS_PER_DEG, c = std::cos( angle ), s = std::sin( angle );
-		pliant_glue::ModelMesh mesh = makeCube( 1, kCuts );
+		pliant_glue::ModelMesh mesh = makeCube( 1, kBarPullCuts );
 		for ( std::size_t i = 0; i < mesh.positions.size(); i += 3 )
 		{
-			const float x = mesh.positions[i] * kLength, y = mesh.positions[i + 1] * kThickness;
+			const float x = mesh.positions[i] * kBarPullLength, y = mesh.positions[i + 1] * kThickness;
 			mesh.positions[i] = c * x - s * y;
 			mesh.positions[i + 1] = s * x + c * y;
 			mesh.positions[i + 2] *= kThickness;
@@ -153,7 +153,7 @@ private:
 		SoftOrder order;
 		order.name = "bar";
 		order.mesh = &mesh;
-		order.cellSize = kCell;
+		order.cellSize = kBarPullCell;
 		order.material.youngsModulus = 1.0e5f;
 		order.material.wobbleDamping = 0;
 		order.fracture.rule = bar.rule;
@@ -161,7 +161,8 @@ private:
 		order.toughness.fraction = toughness;
 		order.toughness.context = &shoulders;
 		order.colour = bar.rule == pliant::BreakRule::Plane ? kTeal : kTerracotta;
-		order.place = btTransform( btQuaternion( btVector3( 0, 0, 1 ), -btScalar( angle ) ), btVector3( 0, kHeight, btScalar( bar.z ) ) );
+		order.place = btTransform(
+			btQuaternion( btVector3( 0, 0, 1 ), -btScalar( angle ) ), btVector3( 0, kBarPullHeight, btScalar( bar.z ) ) );
 		bar.body = stage.addSoft( order );
 		if ( bar.body == nullptr )
 		{
@@ -171,10 +172,10 @@ private:
 		mustSucceed( bar.body->setGravity( btVector3( 0, 0, 0 ) ) );
 		bar.body->setActivationState( DISABLE_DEACTIVATION );
 		const btScalar z = btScalar( bar.z ), high = 1;
-		bar.body->pinNodesInside(
-			btVector3( btScalar( -kLength ), 0, z - kApart / 2 ), btVector3( btScalar( -kFree ), high, z + kApart / 2 ) );
-		bar.body->pinNodesInside(
-			btVector3( btScalar( kFree ), 0, z - kApart / 2 ), btVector3( btScalar( kLength ), high, z + kApart / 2 ) );
+		bar.body->pinNodesInside( btVector3( btScalar( -kBarPullLength ), 0, z - kBarPullApart / 2 ),
+			btVector3( btScalar( -kFree ), high, z + kBarPullApart / 2 ) );
+		bar.body->pinNodesInside( btVector3( btScalar( kFree ), 0, z - kBarPullApart / 2 ),
+			btVector3( btScalar( kBarPullLength ), high, z + kBarPullApart / 2 ) );
 		for ( int i = 0; i < bar.body->nodeCount(); ++i )
 		{
 			// Begins in even motion: nothing runs to and fro in it.

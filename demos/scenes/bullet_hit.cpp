@@ -17,8 +17,8 @@ namespace {
 
 constexpr btScalar kLane = btScalar( 1.3 );
 constexpr btScalar kSpeed = btScalar( 60 );
-constexpr btScalar kStart = btScalar( -4.1 );
-constexpr btScalar kHeight = btScalar( 0.6 );
+constexpr btScalar kBulletHitStart = btScalar( -4.1 );
+constexpr btScalar kBulletHitHeight = btScalar( 0.6 );
 constexpr btScalar kWallX = btScalar( 0.6 );
 constexpr btScalar kWallThick = btScalar( 1e-3 );
 
@@ -53,7 +53,7 @@ public:
 		flying.mesh = &ball;
 		flying.cells = 500;
 		flying.material.youngsModulus = 6.0e4f;
-		flying.place = btTransform( btQuaternion::getIdentity(), btVector3( kStart, kHeight, kLane ) );
+		flying.place = btTransform( btQuaternion::getIdentity(), btVector3( kBulletHitStart, kBulletHitHeight, kLane ) );
 		flying.colour = kTerracotta;
 		m_softBall = stage.addSoft( flying );
 		if ( !m_block || !m_foam || !m_softBall )
@@ -103,7 +103,7 @@ private:
 
 	static btRigidBody* addShot( Stage& stage, btScalar z, btScalar mass, const pliant_glue::Colour& colour )
 	{
-		btRigidBody* ball = stage.addSphere( btScalar( 0.24 ), btVector3( kStart, btScalar( 0.45 ), z ), mass, colour );
+		btRigidBody* ball = stage.addSphere( btScalar( 0.24 ), btVector3( kBulletHitStart, btScalar( 0.45 ), z ), mass, colour );
 		ball->setLinearVelocity( btVector3( kSpeed, 0, 0 ) );
 		return ball;
 	}

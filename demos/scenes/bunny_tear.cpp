@@ -15,20 +15,20 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr float kHeight = 0.8f; // m
-constexpr int kCells = 2000;
-constexpr int kCoarseLevels = 1;                 // what breaks is two cells a level away from big nodes: with more, cracks stop early
-constexpr btScalar kLift = btScalar( 1.25 );     // m of the bunny's middle above the ground
-constexpr btScalar kApart = btScalar( 1.1 );     // m from one bunny to the other
-constexpr btScalar kHeldFrom = btScalar( 0.13 ); // m above its middle: head and ears
-constexpr btScalar kRolling = btScalar( 0.02 );  // m: what has come off would roll to and fro for as long as the film
-constexpr double kFullWeightAt = 2.0;            // s
-constexpr btScalar kGravity = btScalar( 9.81 );  // m/s^2
-constexpr float kNever = 60.0f;                  // s of mergeDelay: longer than the film
-constexpr double kDuration = 16.0;               // s
-constexpr double kRow = 1.0;                     // s of film to a row of the table
-constexpr double kMerged = 1.0;                  // s after the last crack: what can be merged has been, and all is still awake
-constexpr double kSettled = 10.0;                // s after the last crack that a step should cost what it did before the first
+constexpr float kBunnyTearHeight = 0.8f; // m
+constexpr int kBunnyTearCells = 2000;
+constexpr int kBunnyTearCoarseLevels = 1;             // what breaks is two cells a level away from big nodes: with more, cracks stop early
+constexpr btScalar kBunnyTearLift = btScalar( 1.25 ); // m of the bunny's middle above the ground
+constexpr btScalar kBunnyTearApart = btScalar( 1.1 ); // m from one bunny to the other
+constexpr btScalar kBunnyTearHeldFrom = btScalar( 0.13 ); // m above its middle: head and ears
+constexpr btScalar kRolling = btScalar( 0.02 );           // m: what has come off would roll to and fro for as long as the film
+constexpr double kFullWeightAt = 2.0;                     // s
+constexpr btScalar kGravity = btScalar( 9.81 );           // m/s^2
+constexpr float kNever = 60.0f;                           // s of mergeDelay: longer than the film
+constexpr double kBunnyTearDuration = 16.0;               // s
+constexpr double kRow = 1.0;                              // s of film to a row of the table
+constexpr double kMerged = 1.0;                           // s after the last crack: what can be merged has been, and all is still awake
+constexpr double kSettled = 10.0;                         // s after the last crack that a step should cost what it did before the first
 
 struct Hanging
 {
@@ -58,15 +58,15 @@ public:
 	bool init( Stage& stage ) override
 	{
 		pliant_glue::ModelMesh mesh = stage.modelOr( "bunny00.off", makeBunnyLike );
-		fitHeight( mesh, kHeight );
+		fitHeight( mesh, kBunnyTearHeight );
 		SoftOrder order;
 		order.name = "bunny";
 		order.mesh = &mesh;
-		order.cells = kCells;
+		order.cells = kBunnyTearCells;
 		order.material.density = 300.0f;
 		order.material.youngsModulus = 7.0e3f;
 		order.material.damping = 50.0f;
-		order.adaptivity.coarseLevels = kCoarseLevels;
+		order.adaptivity.coarseLevels = kBunnyTearCoarseLevels;
 		order.adaptivity.keepMass = 0.1f;
 		order.adaptivity.refineStrain = 1.0f;   // half of what breaks it, as for all that breaks
 		order.adaptivity.mergeFraction = 0.95f; // it lies under its own weight afterwards
@@ -83,10 +83,10 @@ public:
 		m_beside = std::make_unique<Stage>( stage.options(), "without merging" );
 		stage.setName( "with merging" );
 		order.colour = kTerracotta;
-		const bool isMade = hang( m_merging, stage, order, -kApart / 2 );
+		const bool isMade = hang( m_merging, stage, order, -kBunnyTearApart / 2 );
 		order.colour = kSlate;
 		order.adaptivity.mergeDelay = kNever;
-		return isMade && hang( m_keeping, *m_beside, order, kApart / 2 );
+		return isMade && hang( m_keeping, *m_beside, order, kBunnyTearApart / 2 );
 	}
 
 	std::vector<Stage*> sideStages() override { return { m_beside.get() }; }
@@ -144,14 +144,14 @@ public:
 		return { time, nodes, cost };
 	}
 
-	double duration() const override { return kDuration; }
+	double duration() const override { return kBunnyTearDuration; }
 	pliant_glue::DrawCamera camera( double ) const override { return { { -0.7f, 1.25f, 4.6f }, { 0, 0.86f, 0 }, 30.0f }; }
 	pliant_glue::DrawLight light() const override { return { { -0.35f, 0.80f, 0.50f }, { 0, 0.5f, 0 }, 2.0f }; }
 
 private:
 	static bool hang( Hanging& bunny, Stage& stage, SoftOrder& order, btScalar x )
 	{
-		order.place = btTransform( btQuaternion::getIdentity(), btVector3( x, kLift, 0 ) );
+		order.place = btTransform( btQuaternion::getIdentity(), btVector3( x, kBunnyTearLift, 0 ) );
 		bunny.stage = &stage;
 		stage.addGround( btScalar( 0.8 ) );
 		pliant::SoftBody* body = stage.addSoft( order );
@@ -160,7 +160,8 @@ private:
 			return false;
 		}
 		body->setRollingFriction( kRolling );
-		return body->pinNodesInside( btVector3( x - 1, kLift + kHeldFrom, -1 ), btVector3( x + 1, kLift + 2, 1 ) ) > 0;
+		return body->pinNodesInside(
+				   btVector3( x - 1, kBunnyTearLift + kBunnyTearHeldFrom, -1 ), btVector3( x + 1, kBunnyTearLift + 2, 1 ) ) > 0;
 	}
 
 	std::unique_ptr<Stage> m_beside;

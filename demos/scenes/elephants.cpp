@@ -21,14 +21,14 @@ namespace {
 constexpr int kHerds[] = { 15, 10, 5 };
 constexpr double kPaperFramesPerSecond[] = { 7, 14, 45 };
 constexpr float kElephantHeight = 0.42f; // m
-constexpr int kCells = 500;
-constexpr int kCoarseLevels = 2;
-constexpr btScalar kBall = btScalar( 0.7 );                                                             // m across
+constexpr int kElephantsCells = 500;
+constexpr int kElephantsCoarseLevels = 2;
+constexpr btScalar kElephantsBall = btScalar( 0.7 );                                                    // m across
 constexpr btScalar kBallHeight = btScalar( 0.55 );                                                      // m of its middle
 constexpr int kAcross = 3;                                                                              // elephants in a layer, on a ring
 constexpr btScalar kRing = btScalar( 0.40 ), kLayer = btScalar( 0.62 ), kFirstLayer = btScalar( 1.45 ); // m
 constexpr int kTopLayer = ( kHerds[0] - 1 ) / kAcross;
-constexpr double kDuration = 4.5; // s
+constexpr double kElephantsDuration = 4.5; // s
 constexpr pliant_glue::Colour kPink = { 0.85f, 0.22f, 0.36f };
 
 struct Herd
@@ -61,12 +61,12 @@ public:
 		SoftOrder order;
 		order.name = "elephant";
 		order.mesh = &mesh;
-		order.cells = kCells;
+		order.cells = kElephantsCells;
 		order.material.density = 300.0f;
 		order.material.youngsModulus = 3.0e4f;
 		order.material.damping = 25.0f;
 		order.material.elasticity = pliant::Elasticity::Automatic; // one step a frame, for nine explicit ones
-		order.adaptivity.coarseLevels = kCoarseLevels;
+		order.adaptivity.coarseLevels = kElephantsCoarseLevels;
 		order.adaptivity.keepMass = 0.1f;
 		order.adaptivity.refineStrain = 1.0f;  // half of what breaks it, as for all that breaks
 		order.adaptivity.mergeFraction = 0.9f; // they lie under each other's weight
@@ -168,7 +168,7 @@ public:
 		return { split, exponent, events };
 	}
 
-	double duration() const override { return kDuration; }
+	double duration() const override { return kElephantsDuration; }
 	pliant_glue::DrawCamera camera( double ) const override { return { { 1.1f, 1.65f, 4.1f }, { 0, 0.72f, 0 }, 36.0f }; }
 	pliant_glue::DrawLight light() const override { return { { -0.35f, 0.80f, 0.50f }, { 0, 0.7f, 0 }, 3.0f }; }
 
@@ -176,7 +176,7 @@ private:
 	static bool drop( Herd& herd, SoftOrder& order, int count )
 	{
 		herd.stage->addGround( btScalar( 0.7 ) );
-		herd.ball = herd.stage->addSphere( kBall, btVector3( 0, kBallHeight, 0 ), 0, kPink );
+		herd.ball = herd.stage->addSphere( kElephantsBall, btVector3( 0, kBallHeight, 0 ), 0, kPink );
 		const pliant_glue::Colour colours[] = { kSlate, kOchre, kTeal, kTerracotta, kPlum };
 		std::mt19937 random( herd.stage->options().seed );
 		// mt19937's numbers are the same everywhere; the standard distributions' are not.

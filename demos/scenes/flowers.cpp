@@ -18,8 +18,8 @@ namespace {
 
 constexpr int kColumns = 8, kRows = 5;
 constexpr int kPetals = 6;
-constexpr btScalar kSpacing = btScalar( 0.55 );
-constexpr int kCoarseLevels = 2;
+constexpr btScalar kFlowersSpacing = btScalar( 0.55 );
+constexpr int kFlowersCoarseLevels = 2;
 constexpr float kFinestCell = 0.0148f;             // m: four in a petal's thickness
 constexpr float kPetalFraction = 0.25f;            // of the stem's stiffness
 constexpr float kKeepAll = 1e-6f;                  // every block is one node at first, however little of it is filled
@@ -43,7 +43,7 @@ public:
 		order.stiffness.fraction = []( const float* point, void* ) { return point[1] > kFlowerHeadFrom + 0.04f ? kPetalFraction : 1.0f; };
 		order.material.damping = 3.0f;
 		order.material.wobbleDamping = 0.1f;
-		order.adaptivity.coarseLevels = kCoarseLevels;
+		order.adaptivity.coarseLevels = kFlowersCoarseLevels;
 		order.adaptivity.keepMass = kKeepAll;
 		order.adaptivity.softening = pliant::Softening::None; // as in the paper: big nodes are stiffer, and stems stand by that
 		order.adaptivity.residual = pliant::ResidualRule::Keep;
@@ -124,8 +124,8 @@ private:
 	void plant( Stage& stage, SoftOrder order, int number, const pliant_glue::ModelMesh& mesh, std::mt19937& random )
 	{
 		const auto next = [&] { return btScalar( random() ) / btScalar( std::mt19937::max() ) - btScalar( 0.5 ); };
-		const btScalar x = ( btScalar( number % kColumns ) - btScalar( kColumns - 1 ) / 2 + next() * btScalar( 0.3 ) ) * kSpacing;
-		const btScalar z = ( btScalar( number / kColumns ) - btScalar( kRows - 1 ) / 2 + next() * btScalar( 0.3 ) ) * kSpacing;
+		const btScalar x = ( btScalar( number % kColumns ) - btScalar( kColumns - 1 ) / 2 + next() * btScalar( 0.3 ) ) * kFlowersSpacing;
+		const btScalar z = ( btScalar( number / kColumns ) - btScalar( kRows - 1 ) / 2 + next() * btScalar( 0.3 ) ) * kFlowersSpacing;
 		order.place = btTransform( btQuaternion( btVector3( 0, 1, 0 ), SIMD_2_PI * next() ), btVector3( x, 0, z ) );
 		pliant::SoftBody* flower = stage.addSoft( order );
 		if ( flower == nullptr )
@@ -149,9 +149,10 @@ private:
 	/// From left to right, in and out of the two front rows of heads.
 	static btVector3 fingerAt( double seconds )
 	{
-		const btScalar half = kSpacing * btScalar( kColumns ) / 2, t = btScalar( std::max( 0.0, seconds - kFingerStart ) );
+		const btScalar half = kFlowersSpacing * btScalar( kColumns ) / 2, t = btScalar( std::max( 0.0, seconds - kFingerStart ) );
 		const btScalar x = -half - btScalar( 0.3 ) + btScalar( 1.9 ) * t;
-		return btVector3( x, kFingerHeight, kSpacing * btScalar( 1.5 ) + btScalar( 0.35 ) * btScalar( std::sin( 2.0 * double( t ) ) ) );
+		return btVector3(
+			x, kFingerHeight, kFlowersSpacing * btScalar( 1.5 ) + btScalar( 0.35 ) * btScalar( std::sin( 2.0 * double( t ) ) ) );
 	}
 
 	std::vector<pliant::SoftBody*> m_flowers;

@@ -15,11 +15,11 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr int kCells = 1400;
-constexpr int kCoarseLevels = 2;
-constexpr btScalar kApart = btScalar( 0.95 );     // m from one Glob to the next
-constexpr btScalar kDropHeight = btScalar( 0.7 ); // m, of the middle: about half a bounding-box diagonal to fall
-constexpr double kFullColour = 0.15;              // share of the bounding-box diagonal that is drawn in brick
+constexpr int kGlobDropCells = 1400;
+constexpr int kGlobDropCoarseLevels = 2;
+constexpr btScalar kGlobDropApart = btScalar( 0.95 ); // m from one Glob to the next
+constexpr btScalar kDropHeight = btScalar( 0.7 );     // m, of the middle: about half a bounding-box diagonal to fall
+constexpr double kFullColour = 0.15;                  // share of the bounding-box diagonal that is drawn in brick
 // The paper's step is one of our substeps; it reports 180 of them after the impact. Before 80 the bodies have not begun to tumble.
 constexpr int kEarlyStep = 20, kLastStep = 45; // game steps of four substeps
 constexpr int kReportEvery = 5;
@@ -34,12 +34,12 @@ struct Method
 std::vector<Method> methods()
 {
 	pliant::Adaptivity ours;
-	ours.coarseLevels = kCoarseLevels;
+	ours.coarseLevels = kGlobDropCoarseLevels;
 	ours.residual = pliant::ResidualRule::Soften; // a hard fall leaves lumps where the residual is softer than that
 	pliant::Adaptivity refined = ours;
 	refined.refineStrain = kRefineStrain;
-	return { { "Steinemann", pliant::steinemannAdaptivity( kCoarseLevels ) }, { "Ohta", pliant::ohtaAdaptivity( kCoarseLevels ) },
-		{ "ours", ours }, { "ours, refining", refined } };
+	return { { "Steinemann", pliant::steinemannAdaptivity( kGlobDropCoarseLevels ) },
+		{ "Ohta", pliant::ohtaAdaptivity( kGlobDropCoarseLevels ) }, { "ours", ours }, { "ours, refining", refined } };
 }
 
 std::string heading( std::string what, int step )
@@ -54,11 +54,11 @@ public:
 	{
 		const pliant_glue::ModelMesh mesh = makeGlob();
 		const std::vector<Method> compared = methods();
-		m_left = -kApart * btScalar( compared.size() ) / 2;
+		m_left = -kGlobDropApart * btScalar( compared.size() ) / 2;
 		SoftOrder order;
 		order.name = "Glob";
 		order.mesh = &mesh;
-		order.cells = kCells;
+		order.cells = kGlobDropCells;
 		order.material.density = 300.0f;
 		order.material.youngsModulus = 2.3e4f; // waves of 7 m/s: the impact comes at half of that
 		order.material.damping = 2.0f;
@@ -156,7 +156,7 @@ public:
 private:
 	SkinDistance distanceOf( std::size_t i ) const
 	{
-		return skinDistance( *m_bodies[i], *m_reference, btVector3( kApart * btScalar( i + 1 ), 0, 0 ) );
+		return skinDistance( *m_bodies[i], *m_reference, btVector3( kGlobDropApart * btScalar( i + 1 ), 0, 0 ) );
 	}
 
 	pliant::SoftBody* drop( Stage& stage, SoftOrder order, int place ) const
@@ -166,7 +166,7 @@ private:
 		const auto next = [&] { return btScalar( random() ) / btScalar( std::mt19937::max() ) - btScalar( 0.5 ); };
 		const btVector3 axis = btVector3( next(), next(), next() ).normalized();
 		const btQuaternion turn( axis, SIMD_2_PI * next() );
-		order.place = btTransform( turn, btVector3( m_left + kApart * btScalar( place ), kDropHeight, 0 ) );
+		order.place = btTransform( turn, btVector3( m_left + kGlobDropApart * btScalar( place ), kDropHeight, 0 ) );
 		order.colour = kStone;
 		stage.addGround( btScalar( 0.5 ) );
 		return stage.addSoft( order );

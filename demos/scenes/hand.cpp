@@ -16,13 +16,13 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr int kCells = 4000;
-constexpr int kCoarseLevels = 2;
-constexpr float kKeepMass = 0.95f;             // full blocks only: a big node across a finger would share its softness with the palm
+constexpr int kHandCells = 4000;
+constexpr int kHandCoarseLevels = 2;
+constexpr float kHandKeepMass = 0.95f;         // full blocks only: a big node across a finger would share its softness with the palm
 constexpr btScalar kHeldTo = btScalar( 0.30 ); // m: wrist and palm are held, so that only the fingers give way
 constexpr btScalar kThumbSide = btScalar( -0.12 );
-constexpr btScalar kPull = btScalar( 0.6 );                            // N at each tip
-constexpr btScalar kGrip = btScalar( 0.07 );                           // m around a tip that is pulled
+constexpr btScalar kHandPull = btScalar( 0.6 );                        // N at each tip
+constexpr btScalar kHandGrip = btScalar( 0.07 );                       // m around a tip that is pulled
 constexpr double kPullFrom = 0.4, kPullFullAt = 1.0, kPullUntil = 2.4; // s
 constexpr float kYoungsModulus = 8.0e4f; // Pa, of the thumb; the rest has a share of it. About what 16 substeps reach
 constexpr float kPalmFraction = 0.8f;
@@ -62,9 +62,9 @@ public:
 		SoftOrder order;
 		order.name = "hand";
 		order.mesh = &mesh;
-		order.cells = kCells;
-		order.adaptivity.coarseLevels = kCoarseLevels;
-		order.adaptivity.keepMass = kKeepMass;
+		order.cells = kHandCells;
+		order.adaptivity.coarseLevels = kHandCoarseLevels;
+		order.adaptivity.keepMass = kHandKeepMass;
 		order.material.density = 300.0f;
 		order.material.youngsModulus = kYoungsModulus;
 		order.stiffness.fraction = stiffnessAt;
@@ -100,7 +100,7 @@ public:
 	{
 		m_pull = seconds < kPullFrom || seconds > kPullUntil
 			? btScalar( 0 )
-			: kPull * btScalar( std::min( 1.0, ( seconds - kPullFrom ) / ( kPullFullAt - kPullFrom ) ) );
+			: kHandPull * btScalar( std::min( 1.0, ( seconds - kPullFrom ) / ( kPullFullAt - kPullFrom ) ) );
 		for ( const Held* hand : { &m_hand, &m_plain } )
 		{
 			for ( const Tip& tip : hand->tips )
@@ -136,7 +136,7 @@ public:
 	/// The pull as a rod out of each tip.
 	void beforePicture( Stage&, pliant_glue::DrawList& list ) override
 	{
-		const float length = 0.25f * float( m_pull / kPull ), thickness = 0.012f;
+		const float length = 0.25f * float( m_pull / kHandPull ), thickness = 0.012f;
 		for ( std::size_t i = 0; m_pull > 0 && i < m_hand.tips.size(); ++i )
 		{
 			const btVector3 at = placeOf( m_hand, m_hand.tips[i] );
@@ -204,7 +204,7 @@ private:
 		Tip tip;
 		for ( int i = 0; i < body.nodeCount(); ++i )
 		{
-			if ( body.nodePosition( i ).distance( place ) < kGrip )
+			if ( body.nodePosition( i ).distance( place ) < kHandGrip )
 			{
 				tip.nodes.push_back( i );
 				tip.mass += body.nodeMass( i );

@@ -15,12 +15,12 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr btScalar kEdge = btScalar( 0.6 );
-constexpr int kCells = 6;
-constexpr float kDensity = 1000.0f;
+constexpr btScalar kHeavyOnSoftEdge = btScalar( 0.6 );
+constexpr int kHeavyOnSoftCells = 6;
+constexpr float kHeavyOnSoftDensity = 1000.0f;
 constexpr double kStrain = 0.05; // of the box's weight over E and the block's top
-constexpr btScalar kGap = btScalar( 0.002 );
-constexpr btScalar kApart = btScalar( 1.0 );
+constexpr btScalar kHeavyOnSoftGap = btScalar( 0.002 );
+constexpr btScalar kHeavyOnSoftApart = btScalar( 1.0 );
 constexpr double kPutDown = 2.0; // s in which a box gets its weight: let go at once, the heaviest on an edge would swing over and fall
 
 struct Column
@@ -75,16 +75,16 @@ public:
 		{
 			// Between the middles of the lowest and the highest layer; the mean of what the layers between carry.
 			double top = 0.0, bottom = 0.0;
-			for ( int k = 0; k < kCells * kCells; ++k )
+			for ( int k = 0; k < kHeavyOnSoftCells * kHeavyOnSoftCells; ++k )
 			{
-				const int first = k / kCells * kCells * kCells + k % kCells;
+				const int first = k / kHeavyOnSoftCells * kHeavyOnSoftCells * kHeavyOnSoftCells + k % kHeavyOnSoftCells;
 				bottom += double( column.block->nodePosition( first ).y() );
-				top += double( column.block->nodePosition( first + kCells * ( kCells - 1 ) ).y() );
+				top += double( column.block->nodePosition( first + kHeavyOnSoftCells * ( kHeavyOnSoftCells - 1 ) ).y() );
 			}
-			const double length = double( kEdge ) * ( kCells - 1 ) / kCells;
-			const double strain = 1.0 - ( top - bottom ) / ( kCells * kCells * length );
+			const double length = double( kHeavyOnSoftEdge ) * ( kHeavyOnSoftCells - 1 ) / kHeavyOnSoftCells;
+			const double strain = 1.0 - ( top - bottom ) / ( kHeavyOnSoftCells * kHeavyOnSoftCells * length );
 			const double theory = ( column.ratio + 0.5 ) * double( column.block->mass() ) * g /
-				( double( kEdge ) * double( kEdge ) * column.modulus );
+				( double( kHeavyOnSoftEdge ) * double( kHeavyOnSoftEdge ) * column.modulus );
 			const double lean = double( btAcos( btMin( btScalar( 1 ), column.box->getWorldTransform().getBasis()[1].y() ) ) ) * 180.0 /
 				SIMD_PI;
 			table.rows.push_back( { column.name, { strain, theory, lean, double( column.box->getLinearVelocity().length() ) } } );
@@ -100,21 +100,22 @@ private:
 	bool addColumn( Stage& stage, int row, int k, double ratio, const pliant_glue::Colour& colour )
 	{
 		static const char* const kWhere[] = { "middle", "off middle", "edge" };
-		const pliant_glue::ModelMesh cube = makeCube( float( kEdge ), 12 );
-		const double mass = double( kDensity ) * std::pow( double( kEdge ), 3.0 );
-		const btVector3 at( kApart * ( btScalar( k ) - btScalar( 1.5 ) ), 0, -kApart * ( btScalar( row ) - 1 ) );
+		const pliant_glue::ModelMesh cube = makeCube( float( kHeavyOnSoftEdge ), 12 );
+		const double mass = double( kHeavyOnSoftDensity ) * std::pow( double( kHeavyOnSoftEdge ), 3.0 );
+		const btVector3 at( kHeavyOnSoftApart * ( btScalar( k ) - btScalar( 1.5 ) ), 0, -kHeavyOnSoftApart * ( btScalar( row ) - 1 ) );
 		const double g = double( -stage.world().getGravity().y() );
 
 		Column column;
 		column.ratio = ratio;
 		column.name = "1:" + std::to_string( int( ratio ) ) + " " + kWhere[row];
-		column.modulus = ratio * mass * g / ( double( kEdge ) * double( kEdge ) * kStrain * ( row == 2 ? 0.1 : 1.0 ) );
+		column.modulus = ratio * mass * g /
+			( double( kHeavyOnSoftEdge ) * double( kHeavyOnSoftEdge ) * kStrain * ( row == 2 ? 0.1 : 1.0 ) );
 		SoftOrder order;
 		order.name = column.name;
 		order.mesh = &cube;
-		order.cellSize = float( kEdge ) / kCells;
-		order.place = btTransform( btQuaternion::getIdentity(), at + btVector3( 0, kEdge / 2, 0 ) );
-		order.material.density = kDensity;
+		order.cellSize = float( kHeavyOnSoftEdge ) / kHeavyOnSoftCells;
+		order.place = btTransform( btQuaternion::getIdentity(), at + btVector3( 0, kHeavyOnSoftEdge / 2, 0 ) );
+		order.material.density = kHeavyOnSoftDensity;
 		order.material.youngsModulus = float( column.modulus );
 		order.material.elasticity = pliant::Elasticity::Implicit;
 		order.friction = btScalar( 0.8 );
@@ -124,9 +125,10 @@ private:
 		{
 			return false;
 		}
-		const btVector3 size = row == 2 ? btVector3( kEdge / 3, kEdge / 3, kEdge ) : btVector3( kEdge, kEdge / 2, kEdge );
-		const btScalar aside = row == 0 ? btScalar( 0 ) : row == 1 ? kEdge / 10 : kEdge / 3;
-		const btVector3 place = at + btVector3( aside, kEdge + kGap + size.y() / 2, 0 );
+		const btVector3 size = row == 2 ? btVector3( kHeavyOnSoftEdge / 3, kHeavyOnSoftEdge / 3, kHeavyOnSoftEdge )
+										: btVector3( kHeavyOnSoftEdge, kHeavyOnSoftEdge / 2, kHeavyOnSoftEdge );
+		const btScalar aside = row == 0 ? btScalar( 0 ) : row == 1 ? kHeavyOnSoftEdge / 10 : kHeavyOnSoftEdge / 3;
+		const btVector3 place = at + btVector3( aside, kHeavyOnSoftEdge + kHeavyOnSoftGap + size.y() / 2, 0 );
 		column.box = stage.addBox( size, btTransform( btQuaternion::getIdentity(), place ), btScalar( ratio * mass ), kSlate );
 		m_columns.push_back( column );
 		return true;

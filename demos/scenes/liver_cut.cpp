@@ -16,19 +16,19 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr float kSpacing = 6.0f; // mm, of the scan's surface
-constexpr float kHeight = 0.8f;  // m: three to four times life size
-constexpr int kCells = 3000;
-constexpr int kCoarseLevels = 2;
-constexpr btScalar kLift = btScalar( 0.95 );     // m of its middle above the ground
-constexpr btScalar kHeldFrom = btScalar( 0.27 ); // m above its middle
-constexpr btScalar kHalfEdge = btScalar( 0.6 );  // m of the blade, which points at us
-constexpr btScalar kBack = btScalar( 0.16 );     // m from its edge to its back
-constexpr btScalar kOverlap = btScalar( 0.03 );  // m behind the edge that cut with it: about a cell
-constexpr double kShownFor = 0.25;               // s before and after a stroke
-constexpr double kDuration = 7.5;                // s
-constexpr double kStep = 1.0 / 60;               // s
-constexpr float kKeepsNodes = 60.0f;             // s of mergeDelay: as the paper, whose nodes only become more
+constexpr float kLiverCutSpacing = 6.0f; // mm, of the scan's surface
+constexpr float kLiverCutHeight = 0.8f;  // m: three to four times life size
+constexpr int kLiverCutCells = 3000;
+constexpr int kLiverCutCoarseLevels = 2;
+constexpr btScalar kLiverCutLift = btScalar( 0.95 );     // m of its middle above the ground
+constexpr btScalar kLiverCutHeldFrom = btScalar( 0.27 ); // m above its middle
+constexpr btScalar kHalfEdge = btScalar( 0.6 );          // m of the blade, which points at us
+constexpr btScalar kBack = btScalar( 0.16 );             // m from its edge to its back
+constexpr btScalar kOverlap = btScalar( 0.03 );          // m behind the edge that cut with it: about a cell
+constexpr double kShownFor = 0.25;                       // s before and after a stroke
+constexpr double kLiverCutDuration = 7.5;                // s
+constexpr double kStep = 1.0 / 60;                       // s
+constexpr float kKeepsNodes = 60.0f;                     // s of mergeDelay: as the paper, whose nodes only become more
 
 /// The edge's way, seen from the front, relative to the liver's middle, m and s.
 struct Stroke
@@ -39,7 +39,7 @@ struct Stroke
 	btVector3 at( double seconds ) const
 	{
 		const btScalar t = btScalar( std::clamp( ( seconds - begin ) / ( end - begin ), 0.0, 1.0 ) );
-		return btVector3( fromX + t * ( toX - fromX ), kLift + fromY + t * ( toY - fromY ), 0 );
+		return btVector3( fromX + t * ( toX - fromX ), kLiverCutLift + fromY + t * ( toY - fromY ), 0 );
 	}
 	btVector3 along() const { return btVector3( toX - fromX, toY - fromY, 0 ).normalized(); }
 };
@@ -63,20 +63,20 @@ public:
 	bool init( Stage& stage ) override
 	{
 		pliant_glue::ModelMesh mesh = shape( stage );
-		fitHeight( mesh, kHeight );
+		fitHeight( mesh, kLiverCutHeight );
 		SoftOrder order;
 		order.name = "liver";
 		order.mesh = &mesh;
-		order.cells = kCells;
+		order.cells = kLiverCutCells;
 		order.material.density = 1060.0f;
 		order.material.youngsModulus = 2.5e4f;
 		order.material.damping = 25.0f;
-		order.adaptivity.coarseLevels = kCoarseLevels;
+		order.adaptivity.coarseLevels = kLiverCutCoarseLevels;
 		order.adaptivity.refineStrain = 1.0f;
 		order.adaptivity.mergeDelay = kKeepsNodes;
 		order.colour = kLiver;
 		order.insideColour = kFlesh;
-		order.place = btTransform( btQuaternion::getIdentity(), btVector3( 0, kLift, 0 ) );
+		order.place = btTransform( btQuaternion::getIdentity(), btVector3( 0, kLiverCutLift, 0 ) );
 		stage.addGround( btScalar( 0.8 ) );
 		order.shape = stage.buildShape( order );
 		if ( order.shape == nullptr )
@@ -90,7 +90,7 @@ public:
 		}
 		mustSucceed( m_liver->setSelfCollision( true ) );
 		m_liver->setActivationState( DISABLE_DEACTIVATION ); // asleep it would cost nothing
-		return m_liver->pinNodesInside( btVector3( -2, kLift + kHeldFrom, -2 ), btVector3( 2, kLift + 2, 2 ) ) > 0;
+		return m_liver->pinNodesInside( btVector3( -2, kLiverCutLift + kLiverCutHeldFrom, -2 ), btVector3( 2, kLiverCutLift + 2, 2 ) ) > 0;
 	}
 
 	void beforeStep( Stage& stage, double seconds ) override
@@ -167,7 +167,7 @@ public:
 				{ { "liver", { double( m_links ), double( m_pieces ), double( m_selfContacts ) } } } } };
 	}
 
-	double duration() const override { return kDuration; }
+	double duration() const override { return kLiverCutDuration; }
 	pliant_glue::DrawCamera camera( double ) const override { return { { -0.55f, 1.15f, 2.9f }, { 0, 0.78f, 0 }, 34.0f }; }
 	pliant_glue::DrawLight light() const override { return { { -0.45f, 0.75f, 0.60f }, { 0, 0.6f, 0 }, 1.6f }; }
 
@@ -182,7 +182,7 @@ private:
 		if ( scan.ok() )
 		{
 			stage.note( "surface of the scan " + path );
-			return surfaceOfVolume( scan.volume, kSpacing );
+			return surfaceOfVolume( scan.volume, kLiverCutSpacing );
 		}
 		stage.note( "shape made in code instead of liver.inr (" + scan.status.sentence + " demos/fetch_models.sh fetches it)" );
 		return makeLiverLike();

@@ -16,11 +16,11 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr float kEdge = 0.6f;                 // m
-constexpr btScalar kApart = btScalar( 0.86 ); // m from one block to the next
-constexpr int kCuts = 60;                     // of a block's faces: dents need vertices
-constexpr int kCells = 5832;                  // 18 along an edge
-constexpr int kCoarseLevels = 2;
+constexpr float kPlasticBlockEdge = 0.6f;                 // m
+constexpr btScalar kPlasticBlockApart = btScalar( 0.86 ); // m from one block to the next
+constexpr int kPlasticBlockCuts = 60;                     // of a block's faces: dents need vertices
+constexpr int kPlasticBlockCells = 5832;                  // 18 along an edge
+constexpr int kPlasticBlockCoarseLevels = 2;
 constexpr btScalar kDepth = btScalar( 0.12 );            // m that each stamp goes below the block's top
 constexpr btScalar kClearance = btScalar( 0.90 );        // m above it where a stamp waits, out of the picture, its shadow behind the blocks
 constexpr double kStampSeconds = 1.1, kFirstStamp = 0.3; // down and up again; one after the other
@@ -52,14 +52,14 @@ public:
 	bool init( Stage& stage ) override
 	{
 		stage.addGround( btScalar( 0.9 ) );
-		const pliant_glue::ModelMesh mesh = makeCube( kEdge, kCuts );
+		const pliant_glue::ModelMesh mesh = makeCube( kPlasticBlockEdge, kPlasticBlockCuts );
 		SoftOrder order;
 		order.mesh = &mesh;
-		order.cells = kCells;
+		order.cells = kPlasticBlockCells;
 		order.material.density = 250.0f;
 		order.material.youngsModulus = 6.0e4f;
 		order.material.damping = 25.0f;
-		order.adaptivity.coarseLevels = kCoarseLevels;
+		order.adaptivity.coarseLevels = kPlasticBlockCoarseLevels;
 		order.adaptivity.refinesOnContact = true;
 		order.adaptivity.refineStrain = 0.1f;
 		order.friction = btScalar( 0.9 );
@@ -71,7 +71,7 @@ public:
 			order.material.plasticCreep = kFlows[i].creep;
 			order.material.plasticLimit = kFlows[i].limit;
 			order.colour = kFlows[i].colour;
-			order.place = btTransform( btQuaternion::getIdentity(), btVector3( middleOf( i ), btScalar( kEdge ) / 2, 0 ) );
+			order.place = btTransform( btQuaternion::getIdentity(), btVector3( middleOf( i ), btScalar( kPlasticBlockEdge ) / 2, 0 ) );
 			m_blocks.push_back( Block{ stage.addSoft( order ), {}, {}, {} } );
 			if ( m_blocks.back().body == nullptr )
 			{
@@ -91,7 +91,7 @@ public:
 			const btScalar down = fraction <= 0 || fraction >= 1 ? btScalar( 0 )
 																 : btScalar( 0.5 - 0.5 * std::cos( 2 * SIMD_PI * fraction ) );
 			const Stamp& stamp = m_stamps[i];
-			const btScalar y = btScalar( kEdge ) + stamp.reach + kClearance - down * ( kClearance + kDepth );
+			const btScalar y = btScalar( kPlasticBlockEdge ) + stamp.reach + kClearance - down * ( kClearance + kDepth );
 			for ( std::size_t k = 0; k < stamp.bodies.size(); ++k )
 			{
 				Stage::moveBody( stamp.bodies[k], btTransform( stamp.turn, btVector3( middleOf( k ) + stamp.x, y, stamp.z ) ) );
@@ -144,11 +144,11 @@ private:
 		std::vector<double> deepest;         ///< m, under each stamp, while it pressed
 	};
 
-	static btScalar middleOf( std::size_t block ) { return kApart * ( btScalar( block ) - 1 ); }
+	static btScalar middleOf( std::size_t block ) { return kPlasticBlockApart * ( btScalar( block ) - 1 ); }
 
 	void addStamps( Stage& stage )
 	{
-		const btScalar size = btScalar( 0.2 ), across = btScalar( kEdge * 0.27 );
+		const btScalar size = btScalar( 0.2 ), across = btScalar( kPlasticBlockEdge * 0.27 );
 		const btQuaternion edgeDown( btVector3( 0, 0, 1 ), SIMD_PI / 4 );
 		const btQuaternion cornerDown = shortestArcQuat( btVector3( 1, 1, 1 ).normalized(), btVector3( 0, 1, 0 ) );
 		m_stamps = { { "ball", -across, across, size / 2, true, btQuaternion::getIdentity() },
@@ -158,7 +158,7 @@ private:
 		{
 			for ( std::size_t k = 0; k < m_blocks.size(); ++k )
 			{
-				const btVector3 at( middleOf( k ) + stamp.x, btScalar( kEdge ) + stamp.reach + kClearance, stamp.z );
+				const btVector3 at( middleOf( k ) + stamp.x, btScalar( kPlasticBlockEdge ) + stamp.reach + kClearance, stamp.z );
 				stamp.bodies.push_back( stamp.isBall
 						? stage.addSphere( size, at, 0, kStone )
 						: stage.addBox( btVector3( size, size, size ), btTransform( stamp.turn, at ), 0, kStone ) );
@@ -175,7 +175,7 @@ private:
 		for ( int i = 0; i < skin.vertexCount; ++i )
 		{
 			const float* p = skin.positions + std::size_t( i ) * 3;
-			if ( double( p[1] ) + double( skin.origin.y() ) < 0.95 * double( kEdge ) )
+			if ( double( p[1] ) + double( skin.origin.y() ) < 0.95 * double( kPlasticBlockEdge ) )
 			{
 				continue;
 			}

@@ -16,14 +16,14 @@ namespace pliant_demos {
 namespace {
 
 constexpr double kAngle = 20.0 / 180.0 * SIMD_PI;
-constexpr btScalar kEdge = btScalar( 0.4 );
-constexpr int kCells = 6;
-constexpr btScalar kLength = btScalar( 7 );
+constexpr btScalar kSlopeEdge = btScalar( 0.4 );
+constexpr int kSlopeCells = 6;
+constexpr btScalar kSlopeLength = btScalar( 7 );
 constexpr btScalar kThick = btScalar( 0.3 );
-constexpr btScalar kApart = btScalar( 0.62 );
-constexpr btScalar kStart = btScalar( -2.8 ); // along the slope from its middle
-constexpr double kFrom = 1.0, kTo = 1.8;      // s, between which speed is measured: at first soft cubes still sway
-constexpr float kDensity = 100;               // kg/m^3: at 1000 the softest would lie flat
+constexpr btScalar kSlopeApart = btScalar( 0.62 );
+constexpr btScalar kSlopeStart = btScalar( -2.8 ); // along the slope from its middle
+constexpr double kFrom = 1.0, kTo = 1.8;           // s, between which speed is measured: at first soft cubes still sway
+constexpr float kSlopeDensity = 100;               // kg/m^3: at 1000 the softest would lie flat
 
 struct Slider
 {
@@ -40,7 +40,7 @@ public:
 	{
 		stage.addGround( btScalar( 0.8 ) );
 		m_slope = btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( -kAngle ) ), btVector3( 0, btScalar( 1.4 ), 0 ) );
-		stage.addBox( btVector3( kLength, kThick, btScalar( 5.4 ) ), m_slope, 0, kStone )->setFriction( 1 );
+		stage.addBox( btVector3( kSlopeLength, kThick, btScalar( 5.4 ) ), m_slope, 0, kStone )->setFriction( 1 );
 		addRigid( stage, 0, 0.25 );
 		const struct
 		{
@@ -59,7 +59,7 @@ public:
 			const bool isImplicit = order.elasticity == pliant::Elasticity::Implicit;
 			soft.name = std::string( isImplicit ? "implicit, " : "explicit, " ) + std::to_string( int( order.modulus / 1000 ) ) + " kPa";
 			soft.material.youngsModulus = order.modulus;
-			soft.material.density = kDensity;
+			soft.material.density = kSlopeDensity;
 			soft.material.elasticity = order.elasticity;
 			soft.friction = btScalar( order.friction );
 			soft.colour = order.colour;
@@ -104,22 +104,23 @@ private:
 	btTransform placeOf( int lane ) const
 	{
 		return m_slope *
-			btTransform(
-				btQuaternion::getIdentity(), btVector3( kStart, ( kThick + kEdge ) / 2, kApart * ( btScalar( 3.5 ) - btScalar( lane ) ) ) );
+			btTransform( btQuaternion::getIdentity(),
+				btVector3( kSlopeStart, ( kThick + kSlopeEdge ) / 2, kSlopeApart * ( btScalar( 3.5 ) - btScalar( lane ) ) ) );
 	}
 
 	void addRigid( Stage& stage, int lane, double friction )
 	{
-		btRigidBody* box = stage.addBox( btVector3( kEdge, kEdge, kEdge ), placeOf( lane ), kDensity * kEdge * kEdge * kEdge, kSlate );
+		btRigidBody* box = stage.addBox( btVector3( kSlopeEdge, kSlopeEdge, kSlopeEdge ), placeOf( lane ),
+			kSlopeDensity * kSlopeEdge * kSlopeEdge * kSlopeEdge, kSlate );
 		box->setFriction( btScalar( friction ) );
 		m_sliders.push_back( { "rigid box", box, friction } );
 	}
 
 	bool addSoft( Stage& stage, int lane, SoftOrder& order )
 	{
-		const pliant_glue::ModelMesh cube = makeCube( float( kEdge ), 12 );
+		const pliant_glue::ModelMesh cube = makeCube( float( kSlopeEdge ), 12 );
 		order.mesh = &cube;
-		order.cellSize = float( kEdge ) / kCells;
+		order.cellSize = float( kSlopeEdge ) / kSlopeCells;
 		order.place = placeOf( lane );
 		const pliant::SoftBody* body = stage.addSoft( order );
 		m_sliders.push_back( { order.name, body, double( order.friction ) } );

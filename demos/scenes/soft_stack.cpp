@@ -14,11 +14,11 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr btScalar kEdge = btScalar( 0.4 );
-constexpr int kCells = 6;
-constexpr btScalar kBoxHeight = btScalar( 0.12 );
-constexpr btScalar kGap = btScalar( 0.005 );
-constexpr btScalar kApart = btScalar( 0.9 );
+constexpr btScalar kSoftStackEdge = btScalar( 0.4 );
+constexpr int kSoftStackCells = 6;
+constexpr btScalar kSoftStackBoxHeight = btScalar( 0.12 );
+constexpr btScalar kSoftStackGap = btScalar( 0.005 );
+constexpr btScalar kSoftStackApart = btScalar( 0.9 );
 constexpr float kModulus = 4.0e6f; // Pa; at a quarter of it eight cubes are more than a column of their own weight can be, 2.2 m by Euler
 
 struct Tower
@@ -36,10 +36,10 @@ public:
 	bool init( Stage& stage ) override
 	{
 		stage.addGround( btScalar( 0.8 ) );
-		return addTower( stage, { "2 soft cubes", btScalar( -1.5 ) * kApart }, 2, false, kTeal ) &&
-			addTower( stage, { "4 soft cubes", btScalar( -0.5 ) * kApart }, 4, false, kOchre ) &&
-			addTower( stage, { "8 soft cubes", btScalar( 0.5 ) * kApart }, 8, false, kTerracotta ) &&
-			addTower( stage, { "4 soft cubes, boxes between", btScalar( 1.5 ) * kApart }, 4, true, kPlum );
+		return addTower( stage, { "2 soft cubes", btScalar( -1.5 ) * kSoftStackApart }, 2, false, kTeal ) &&
+			addTower( stage, { "4 soft cubes", btScalar( -0.5 ) * kSoftStackApart }, 4, false, kOchre ) &&
+			addTower( stage, { "8 soft cubes", btScalar( 0.5 ) * kSoftStackApart }, 8, false, kTerracotta ) &&
+			addTower( stage, { "4 soft cubes, boxes between", btScalar( 1.5 ) * kSoftStackApart }, 4, true, kPlum );
 	}
 
 	void afterStep( Stage&, double seconds ) override
@@ -72,33 +72,34 @@ public:
 private:
 	bool addTower( Stage& stage, Tower tower, int count, bool hasBoxes, const pliant_glue::Colour& colour )
 	{
-		const pliant_glue::ModelMesh cube = makeCube( float( kEdge ), 12 );
-		btScalar y = kGap;
+		const pliant_glue::ModelMesh cube = makeCube( float( kSoftStackEdge ), 12 );
+		btScalar y = kSoftStackGap;
 		for ( int k = 0; k < count; ++k )
 		{
 			// Not quite straight: a hundredth of the edge to and fro.
-			const btScalar aside = ( k % 2 == 0 ? 1 : -1 ) * kEdge / 100;
+			const btScalar aside = ( k % 2 == 0 ? 1 : -1 ) * kSoftStackEdge / 100;
 			SoftOrder order;
 			order.name = tower.name;
 			order.mesh = &cube;
-			order.cellSize = float( kEdge ) / kCells;
-			order.place = btTransform( btQuaternion::getIdentity(), btVector3( tower.x + aside, y + kEdge / 2, aside ) );
+			order.cellSize = float( kSoftStackEdge ) / kSoftStackCells;
+			order.place = btTransform( btQuaternion::getIdentity(), btVector3( tower.x + aside, y + kSoftStackEdge / 2, aside ) );
 			order.material.youngsModulus = kModulus;
 			order.material.elasticity = pliant::Elasticity::Implicit;
 			order.friction = btScalar( 0.8 );
 			order.colour = colour;
-			tower.height = double( y + kEdge / 2 );
+			tower.height = double( y + kSoftStackEdge / 2 );
 			tower.cubes.push_back( stage.addSoft( order ) );
 			if ( tower.cubes.back() == nullptr )
 			{
 				return false;
 			}
-			y += kEdge + kGap;
+			y += kSoftStackEdge + kSoftStackGap;
 			if ( hasBoxes )
 			{
-				const btVector3 size( kEdge, kBoxHeight, kEdge ), place( tower.x, y + kBoxHeight / 2, 0 );
+				const btVector3 size( kSoftStackEdge, kSoftStackBoxHeight, kSoftStackEdge ),
+					place( tower.x, y + kSoftStackBoxHeight / 2, 0 );
 				stage.addBox( size, btTransform( btQuaternion::getIdentity(), place ), tower.cubes.back()->mass(), kSlate );
-				y += kBoxHeight + kGap;
+				y += kSoftStackBoxHeight + kSoftStackGap;
 			}
 		}
 		m_towers.push_back( tower );

@@ -17,14 +17,14 @@ namespace pliant_demos {
 namespace {
 
 constexpr float kDiameter = 0.8f; // m
-constexpr float kCell = kDiameter / 11;
+constexpr float kSphereCrackCell = kDiameter / 11;
 constexpr int kSubdivisions = 4;
-constexpr btScalar kApart = btScalar( 1.25 );     // m from one to the next
-constexpr btScalar kHeight = btScalar( 0.75 );    // m
-constexpr double kCracksAt = 0.4, kStopsAt = 1.2; // s
-constexpr double kFallsAt = 5.2, kDuration = 6.6; // s
-constexpr double kNearFrom = 1.4, kNearTo = 4.6;  // s: the eye goes past them from near
-constexpr btScalar kPull = btScalar( 1.4 );       // m/s for each metre from the middle
+constexpr btScalar kSphereCrackApart = btScalar( 1.25 );     // m from one to the next
+constexpr btScalar kSphereCrackHeight = btScalar( 0.75 );    // m
+constexpr double kCracksAt = 0.4, kStopsAt = 1.2;            // s
+constexpr double kFallsAt = 5.2, kSphereCrackDuration = 6.6; // s
+constexpr double kNearFrom = 1.4, kNearTo = 4.6;             // s: the eye goes past them from near
+constexpr btScalar kSphereCrackPull = btScalar( 1.4 );       // m/s for each metre from the middle
 
 struct Way
 {
@@ -54,7 +54,7 @@ public:
 			SoftOrder order;
 			order.name = way.name;
 			order.mesh = &mesh;
-			order.cellSize = kCell;
+			order.cellSize = kSphereCrackCell;
 			order.cracks.faces = way.faces;
 			order.cracks.noiseAmplitude = way.noise;
 			order.cracks.subdivision = way.subdivision;
@@ -63,7 +63,7 @@ public:
 			order.material.damping = 40.0f;
 			order.colour = kSlate;
 			order.insideColour = kTerracotta;
-			order.place = btTransform( btQuaternion::getIdentity(), btVector3( placeOf( i ), kHeight, 0 ) );
+			order.place = btTransform( btQuaternion::getIdentity(), btVector3( placeOf( i ), kSphereCrackHeight, 0 ) );
 			way.body = stage.addSoft( order );
 			if ( way.body == nullptr )
 			{
@@ -87,8 +87,8 @@ public:
 			pliant::SoftBody& piece = *stage.world().softBody( k );
 			if ( isAt( kCracksAt + 1.0 / 60 ) )
 			{
-				const btVector3 middle( placeOf( std::size_t( piece.getUserIndex2() ) ), kHeight, 0 );
-				mustSucceed( piece.setLinearVelocity( ( piece.massCentre() - middle ) * kPull ) );
+				const btVector3 middle( placeOf( std::size_t( piece.getUserIndex2() ) ), kSphereCrackHeight, 0 );
+				mustSucceed( piece.setLinearVelocity( ( piece.massCentre() - middle ) * kSphereCrackPull ) );
 			}
 			else if ( isAt( kStopsAt ) )
 			{
@@ -130,7 +130,7 @@ public:
 		return { table };
 	}
 
-	double duration() const override { return kDuration; }
+	double duration() const override { return kSphereCrackDuration; }
 
 	/// From all of them past each from near and back.
 	pliant_glue::DrawCamera camera( double seconds ) const override
@@ -150,7 +150,7 @@ private:
 		double pieces = 0, area = 0;
 	};
 
-	static btScalar placeOf( std::size_t way ) { return kApart * ( btScalar( way ) - btScalar( 0.5 ) * btScalar( kWays - 1 ) ); }
+	static btScalar placeOf( std::size_t way ) { return kSphereCrackApart * ( btScalar( way ) - btScalar( 0.5 ) * btScalar( kWays - 1 ) ); }
 
 	/// Three planes none of which lies along the lattice.
 	void crack()
@@ -163,7 +163,7 @@ private:
 		{
 			for ( int k = 0; k < 3; ++k )
 			{
-				m_ways[i].body->cutPlane( btVector3( placeOf( i ), kHeight, 0 ) + normals[k] * offsets[k], normals[k] );
+				m_ways[i].body->cutPlane( btVector3( placeOf( i ), kSphereCrackHeight, 0 ) + normals[k] * offsets[k], normals[k] );
 			}
 		}
 	}

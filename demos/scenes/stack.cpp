@@ -11,8 +11,8 @@ namespace pliant_demos {
 namespace {
 
 constexpr btScalar kSoftEdge = btScalar( 0.4 );
-constexpr btScalar kBoxHeight = btScalar( 0.12 );
-constexpr btScalar kGap = btScalar( 0.02 );
+constexpr btScalar kStackBoxHeight = btScalar( 0.12 );
+constexpr btScalar kStackGap = btScalar( 0.02 );
 constexpr btScalar kBoxMass = btScalar( 20 ); // about a soft cube's own 26 kg
 constexpr double kBallTime = 3.0;
 
@@ -45,7 +45,7 @@ private:
 	static bool addTower( Stage& stage, btScalar x, float youngsModulus, const pliant_glue::Colour& colour )
 	{
 		const pliant_glue::ModelMesh cube = makeCube( float( kSoftEdge ), 12 );
-		btScalar y = kGap;
+		btScalar y = kStackGap;
 		for ( int floor = 0; floor < 2; ++floor )
 		{
 			SoftOrder order;
@@ -61,10 +61,10 @@ private:
 			{
 				return false;
 			}
-			y += kSoftEdge + kGap;
-			stage.addBox( btVector3( kSoftEdge, kBoxHeight, kSoftEdge ),
-				btTransform( btQuaternion::getIdentity(), btVector3( x, y + kBoxHeight / 2, 0 ) ), kBoxMass, kSlate );
-			y += kBoxHeight + kGap;
+			y += kSoftEdge + kStackGap;
+			stage.addBox( btVector3( kSoftEdge, kStackBoxHeight, kSoftEdge ),
+				btTransform( btQuaternion::getIdentity(), btVector3( x, y + kStackBoxHeight / 2, 0 ) ), kBoxMass, kSlate );
+			y += kStackBoxHeight + kStackGap;
 		}
 		return true;
 	}

@@ -15,13 +15,13 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr int kCoarseLevels = 3;
-constexpr float kKeepMass = 0.9f; // full blocks only: a finger fills a quarter of each block it runs through
+constexpr int kThinFingersCoarseLevels = 3;
+constexpr float kThinFingersKeepMass = 0.9f; // full blocks only: a finger fills a quarter of each block it runs through
 constexpr int kRootCells =
 	2; // of the palm above each finger, and one around it, as fine as the finger: big nodes there would hold it elsewhere
-constexpr btScalar kPalmBottom = btScalar( 0.75 ); // m above the ground
-constexpr btScalar kApart = btScalar( 1.3 );       // m from the uniform body to the one with levels
-constexpr btScalar kAside = btScalar( 1.1 );       // m from a body to the picture of its nodes
+constexpr btScalar kPalmBottom = btScalar( 0.75 );      // m above the ground
+constexpr btScalar kThinFingersApart = btScalar( 1.3 ); // m from the uniform body to the one with levels
+constexpr btScalar kThinFingersAside = btScalar( 1.1 ); // m from a body to the picture of its nodes
 constexpr btScalar kBarThickness = btScalar( 0.05 );
 constexpr btScalar kBarSpeed = btScalar( 0.55 ); // m/s
 constexpr double kBarStart = 0.3;                // s
@@ -66,10 +66,10 @@ public:
 		}
 		m_beside = std::make_unique<Stage>( stage.options(), "with levels" );
 		stage.setName( "uniform lattice" );
-		const bool isUniformMade = furnish( m_uniform, stage, order, -kApart / 2 );
-		order.adaptivity.coarseLevels = kCoarseLevels;
-		order.adaptivity.keepMass = kKeepMass;
-		return isUniformMade && furnish( m_levels, *m_beside, order, kApart / 2 );
+		const bool isUniformMade = furnish( m_uniform, stage, order, -kThinFingersApart / 2 );
+		order.adaptivity.coarseLevels = kThinFingersCoarseLevels;
+		order.adaptivity.keepMass = kThinFingersKeepMass;
+		return isUniformMade && furnish( m_levels, *m_beside, order, kThinFingersApart / 2 );
 	}
 
 	std::vector<Stage*> sideStages() override { return { m_beside.get() }; }
@@ -88,7 +88,7 @@ public:
 	{
 		stage.skin();
 		m_beside->skin();
-		const SkinDistance now = skinDistance( *m_levels.body, *m_uniform.body, btVector3( kApart, 0, 0 ) );
+		const SkinDistance now = skinDistance( *m_levels.body, *m_uniform.body, btVector3( kThinFingersApart, 0, 0 ) );
 		if ( m_isFinger.empty() )
 		{
 			rememberRest();
@@ -115,8 +115,8 @@ public:
 
 	void beforePicture( Stage&, pliant_glue::DrawList& list ) override
 	{
-		drawNodes( m_uniform, -kAside, list );
-		drawNodes( m_levels, kAside, list );
+		drawNodes( m_uniform, -kThinFingersAside, list );
+		drawNodes( m_levels, kThinFingersAside, list );
 	}
 
 	std::vector<FindingTable> findings( const Stage& stage ) const override

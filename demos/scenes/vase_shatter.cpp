@@ -14,13 +14,13 @@ namespace pliant_demos {
 namespace {
 
 constexpr float kWall = 0.028f; // m thick: little more than a cell
-constexpr float kCell = 0.024f;
-constexpr int kAround = 72;                      // corners of each ring
-constexpr btScalar kBall = btScalar( 0.28 );     // m across: wider than the mouth
-constexpr btScalar kBallMass = btScalar( 60 );   // kg: of iron, and hollow
-constexpr btScalar kFallsFrom = btScalar( 1.8 ); // m
-constexpr btScalar kAside = btScalar( 0.02 );    // m beside the axis: nothing breaks evenly
-constexpr int kCrumb = 6;                        // cells: smaller pieces are rigid
+constexpr float kVaseShatterCell = 0.024f;
+constexpr int kAround = 72;                              // corners of each ring
+constexpr btScalar kVaseShatterBall = btScalar( 0.28 );  // m across: wider than the mouth
+constexpr btScalar kBallMass = btScalar( 60 );           // kg: of iron, and hollow
+constexpr btScalar kFallsFrom = btScalar( 1.8 );         // m
+constexpr btScalar kVaseShatterAside = btScalar( 0.02 ); // m beside the axis: nothing breaks evenly
+constexpr int kCrumb = 6;                                // cells: smaller pieces are rigid
 constexpr int kMostPieces = 200;
 
 /// Outer line from the foot up to the lip: radius and height, m.
@@ -37,11 +37,11 @@ public:
 	bool init( Stage& stage ) override
 	{
 		stage.addGround( btScalar( 0.6 ) );
-		const pliant_glue::ModelMesh mesh = makeVessel( vaseLine(), kWall, kCell * 0.7f, kAround );
+		const pliant_glue::ModelMesh mesh = makeVessel( vaseLine(), kWall, kVaseShatterCell * 0.7f, kAround );
 		SoftOrder order;
 		order.name = "vase";
 		order.mesh = &mesh;
-		order.cellSize = kCell;
+		order.cellSize = kVaseShatterCell;
 		order.material.density = 1000.0f;
 		order.material.youngsModulus = 2.0e6f;
 		order.material.damping = 150.0f; // shards neither ring nor bounce
@@ -56,7 +56,7 @@ public:
 		order.colour = kTeal;
 		order.insideColour = kOchre; // clay under the glaze
 		m_vase = stage.addSoft( order );
-		stage.addSphere( kBall, btVector3( kAside / 2, kFallsFrom, kAside ), kBallMass, kBrick );
+		stage.addSphere( kVaseShatterBall, btVector3( kVaseShatterAside / 2, kFallsFrom, kVaseShatterAside ), kBallMass, kBrick );
 		return m_vase != nullptr;
 	}
 

@@ -7,12 +7,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace pliant_study {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kMostSteps = 40000;
 constexpr double kSmallStrain = 0.01;
 constexpr double kCalm = 5; // 1/s: of what rings fast
@@ -196,7 +196,7 @@ std::vector<MaterialRow> measureCircle( bool isShort )
 	const Eigen::Vector3d edges = order.cell * order.cells.cast<double>();
 	const Where ends[] = { beyond( 0, edges.x() / 2 - order.cell, -1 ), beyond( 0, edges.x() / 2 - order.cell, 1 ) };
 	// M = 2 pi E I / s: from end to end it turns once.
-	const double s = edges.x() - order.cell, moment = 2 * kPi * bar.modulus() * edges.z() * std::pow( edges.y(), 3 ) / 12 / s;
+	const double s = edges.x() - order.cell, moment = 2 * std::numbers::pi * bar.modulus() * edges.z() * std::pow( edges.y(), 3 ) / 12 / s;
 	for ( int k = 1; k <= stages; ++k )
 	{
 		bar.clearForces();

@@ -14,8 +14,8 @@ namespace pliant_study {
 namespace {
 
 constexpr double kFreeRoot = 4.730040745; // cos( root ) cosh( root ) = 1: free at both ends
-constexpr int kMostSteps = 20000;
-constexpr double kSmallStrain = 0.01;
+constexpr int kMostSameSteps = 20000;
+constexpr double kSmallSameStrain = 0.01;
 
 CouponOrder sameOrder( int x, int y, int z )
 {
@@ -59,13 +59,13 @@ Where endOf( double half, double grip, double sign )
 double bendingStiffness( Coupon& bar, double grip )
 {
 	const Eigen::Vector3d edges = bar.order().cell * bar.order().cells.cast<double>();
-	const double stiff = bar.modulus() * edges.z() * std::pow( edges.y(), 3 ) / 12, curvature = 2 * kSmallStrain / edges.y();
+	const double stiff = bar.modulus() * edges.z() * std::pow( edges.y(), 3 ) / 12, curvature = 2 * kSmallSameStrain / edges.y();
 	bar.clearForces();
 	for ( const double sign : { -1.0, 1.0 } )
 	{
 		bar.bend( endOf( edges.x() / 2, grip, sign ), sign * curvature * stiff );
 	}
-	bar.settle( kMostSteps );
+	bar.settle( kMostSameSteps );
 	return curvature / ( 2 * curveOf( bar, 1, edges.x() / 4 ).half );
 }
 
@@ -74,7 +74,7 @@ double sag( Coupon& bar, double grip )
 {
 	const CouponOrder& order = bar.order();
 	const double length = order.cell * order.cells.x(), half = length / 2, density = double( order.material.density );
-	const double gravity = 2 * kSmallStrain * bar.modulus() / ( density * length );
+	const double gravity = 2 * kSmallSameStrain * bar.modulus() / ( density * length );
 	bar.push( [gravity]( const Eigen::Vector3d& ) { return Eigen::Vector3d( -gravity, 0, 0 ); } );
 	double mass = 0;
 	for ( int i = 0; i < bar.count(); ++i )
@@ -82,7 +82,7 @@ double sag( Coupon& bar, double grip )
 		mass += bar.mass( i );
 	}
 	bar.pushAt( endOf( half, grip, 1 ), { mass * gravity, 0, 0 } );
-	bar.settle( kMostSteps );
+	bar.settle( kMostSameSteps );
 	// In the middle half of it hangs below: rho g L / ( 2 E ).
 	return curveOf( bar, 0, half / 2 ).slope / ( density * gravity * half / bar.modulus() );
 }
@@ -101,7 +101,7 @@ double bendingFrequency( Coupon& bar )
 	bar.put( [&]( const Eigen::Vector3d& rest ) { return Eigen::Vector3d( rest + 1e-3 * length * shape( rest ) ); } );
 	double before = 1, first = 0, last = 0;
 	int crossings = 0;
-	for ( int step = 1; step < kMostSteps && crossings < 5; ++step )
+	for ( int step = 1; step < kMostSameSteps && crossings < 5; ++step )
 	{
 		bar.step();
 		const double now = bar.along( shape );
@@ -129,7 +129,7 @@ std::vector<MaterialRow> measureLevels( bool isShort )
 		order.adaptivity.isSurfaceFine = level > most; // mixed: small nodes around, big ones inside
 		const double grip = order.cell * ( 1 << most );
 		Coupon drawn( order ), bent( order ), hung( order );
-		modulus.push_back( drawBar( drawn, kSmallStrain, grip ).modulus / drawn.modulus() );
+		modulus.push_back( drawBar( drawn, kSmallSameStrain, grip ).modulus / drawn.modulus() );
 		stiffness.push_back( bendingStiffness( bent, grip ) );
 		weights.push_back( sag( hung, grip ) );
 		order.material.damping = 0;
@@ -176,7 +176,7 @@ std::vector<MaterialRow> measureSteps( bool isShort )
 		order.gameStep = 1 / step.rate;
 		order.substeps = step.substeps;
 		Coupon drawn( order );
-		modulus.push_back( drawBar( drawn, kSmallStrain, order.cell ).modulus );
+		modulus.push_back( drawBar( drawn, kSmallSameStrain, order.cell ).modulus );
 		order.cells = { 40, 4, 1 };
 		Coupon laden( order );
 		tips.push_back( loadedTip( laden ) );
@@ -199,7 +199,7 @@ std::vector<MaterialRow> measureTurned( bool isShort )
 		order.degrees = degrees;
 		const double grip = 4 * order.cell;
 		Coupon drawn( order ), bent( order ), hung( order );
-		modulus.push_back( drawBar( drawn, kSmallStrain, grip ).modulus / drawn.modulus() );
+		modulus.push_back( drawBar( drawn, kSmallSameStrain, grip ).modulus / drawn.modulus() );
 		stiffness.push_back( bendingStiffness( bent, grip ) );
 		weights.push_back( sag( hung, grip ) );
 		const std::string name = "lattice at " + shortNumber( degrees ) + " degrees: ";

@@ -15,7 +15,7 @@ namespace pliant_study {
 
 namespace {
 
-constexpr int kMostSteps = 40000;
+constexpr int kMostShapeSteps = 40000;
 constexpr double kMostPoisson = 0.4; // at Material::volumeKeeping 2
 
 /// kappa = nu / ( 1 - 2 nu ), as much of it as there is.
@@ -78,7 +78,7 @@ std::vector<MaterialRow> measureStretch( bool isShort )
 			bar.drive( [now]( const Eigen::Vector3d& rest ) { return Eigen::Vector3d( now * rest.x(), rest.y(), rest.z() ); } );
 			bar.step();
 		}
-		bar.settle( kMostSteps );
+		bar.settle( kMostShapeSteps );
 		const Eigen::Matrix3d f = bar.deformation( [half]( const Eigen::Vector3d& rest ) { return std::abs( rest.x() ) < half / 3; } );
 		const double across = ( f.col( 1 ).norm() + f.col( 2 ).norm() ) / 2;
 		const std::string name = "stretched " + shortNumber( stretch ) + " times, nu " + shortNumber( nu );
@@ -112,7 +112,7 @@ std::vector<MaterialRow> measureCook( bool isShort )
 			const Eigen::Vector3d at = slab.meanRest( edge ) / unit;
 			const double unitUp = cookDeflection( nu, at.x(), at.y() ), load = 0.01 * 44 * unit * slab.modulus() * 2 * order.cell / unitUp;
 			slab.pushAt( edge, { 0, load, 0 } );
-			slab.settle( kMostSteps );
+			slab.settle( kMostShapeSteps );
 			rows.push_back( { "M9",
 				"Cook's membrane, nu " + shortNumber( nu ) + ", " + std::to_string( side ) + " cells a side: edge up, over elements'", "",
 				slab.meanMoved( edge ).y() / ( load * unitUp / ( slab.modulus() * 2 * order.cell ) ), 1, side == 8 ? 0.1 : 0.05,
@@ -135,7 +135,7 @@ std::vector<MaterialRow> measurePlate( bool isShort )
 	const double stiff = plate.modulus() * d * d * d / 12, wanted = 0.1 * d, load = wanted * stiff / ( 0.00126 * std::pow( a, 4 ) );
 	const double perMass = load / ( double( order.material.density ) * d );
 	plate.push( [perMass]( const Eigen::Vector3d& ) { return Eigen::Vector3d( 0, -perMass, 0 ); } );
-	plate.settle( kMostSteps );
+	plate.settle( kMostShapeSteps );
 	return { { "M10", "plate of one cell, clamped, even load: middle down", "m", -plate.meanMoved( middle ).y(), wanted, 0.2, Judge::Ratio,
 		std::to_string( free ) + " cells across; sag a tenth of its thickness" } };
 }
@@ -154,7 +154,7 @@ std::vector<MaterialRow> measureRod( bool isShort )
 		const double shape = s * s * ( 6 * length * length - 4 * length * s + s * s ) / 24, weight = 0.01 * length * stiff / shape;
 		rod.push(
 			[&]( const Eigen::Vector3d& ) { return Eigen::Vector3d( 0, -weight / ( double( order.material.density ) * d * d ), 0 ); } );
-		rod.settle( kMostSteps );
+		rod.settle( kMostShapeSteps );
 		rows.push_back( { "M11", "rod of one cell under its weight: tip down", "m",
 			-rod.meanMoved( [&]( const Eigen::Vector3d& rest ) { return rest.x() > half - d; } ).y(), 0.01 * length, 0.2, Judge::Ratio,
 			"" } );

@@ -24,7 +24,7 @@ constexpr double kImpactSpeed = 1.0, kImpactMass = 0.5;                  // sqrt
 constexpr double kPull = 0.14; // g: from rest, so that no jerk at the grips tears off what they hold
 constexpr float kBreakStrain = 0.3f;
 constexpr double kSpinSpeed = 3.0; // radians per sqrt( D / g )
-constexpr double kGap = 0.01;      // D, between a ball and the body at first
+constexpr double kRigGap = 0.01;   // D, between a ball and the body at first
 constexpr btScalar kFriction = btScalar( 0.5 );
 
 /// A rotation that is the same for the same number everywhere (Shoemake's from three equal shares).
@@ -151,7 +151,7 @@ bool Rig::furnish()
 	{
 		return false;
 	}
-	const Eigen::Vector3d beside( m_specimen.half.x() + m_ballRadius + kGap * d, 0.6 * height, 0 );
+	const Eigen::Vector3d beside( m_specimen.half.x() + m_ballRadius + kRigGap * d, 0.6 * height, 0 );
 	if ( m_scene.kind == SceneKind::Drop )
 	{
 		m_shapes.push_back( std::make_unique<btStaticPlaneShape>( btVector3( 0, 1, 0 ), btScalar( 0 ) ) );
@@ -201,7 +201,7 @@ void Rig::drive()
 	{
 		const double depth = kPushDepth * m_specimen.diagonal * ( smooth( then / kPushTime ) - smooth( ( then - kPushTime ) / kPushTime ) );
 		btTransform place = m_ball->getWorldTransform();
-		place.getOrigin().setX( btScalar( m_specimen.half.x() + m_ballRadius + kGap * m_specimen.diagonal - depth ) );
+		place.getOrigin().setX( btScalar( m_specimen.half.x() + m_ballRadius + kRigGap * m_specimen.diagonal - depth ) );
 		m_ball->setWorldTransform( place );
 	}
 }

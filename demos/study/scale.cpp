@@ -21,10 +21,10 @@ namespace pliant_study {
 
 namespace {
 
-constexpr double kCell = 0.1; // m
+constexpr double kScaleCell = 0.1; // m
 constexpr int kWarmSteps = 3;
 constexpr double kLeastSeconds = 0.5; // of timed steps
-constexpr int kFewestSteps = 7, kMostSteps = 60;
+constexpr int kFewestSteps = 7, kMostScaleSteps = 60;
 constexpr int kPileSettles = 90; // steps until a pile has fallen together
 constexpr int kBodiesNodes = 343;
 constexpr int kTurns = 15; // of one thread and of two
@@ -43,7 +43,7 @@ double medianStep( SmallWorld& world )
 		world.timedStep();
 	}
 	std::vector<double> times;
-	for ( double spent = 0; int( times.size() ) < kFewestSteps || ( spent < kLeastSeconds && int( times.size() ) < kMostSteps ); )
+	for ( double spent = 0; int( times.size() ) < kFewestSteps || ( spent < kLeastSeconds && int( times.size() ) < kMostScaleSteps ); )
 	{
 		times.push_back( world.timedStep() );
 		spent += times.back();
@@ -78,10 +78,10 @@ void addFlying( SmallWorld& world, int bodies, int nodesEach )
 {
 	world.world().setGravity( btVector3( 0, 0, 0 ) );
 	const int edge = edgeOf( nodesEach );
-	const auto shape = cubeTemplate( edge, kCell, pliant::Skinning::NearbyNodes );
+	const auto shape = cubeTemplate( edge, kScaleCell, pliant::Skinning::NearbyNodes );
 	for ( int k = 0; k < bodies; ++k )
 	{
-		pliant::SoftBody* body = world.add( shape, btVector3( btScalar( 2 * edge * kCell * k ), 0, 0 ), stiffEnough() );
+		pliant::SoftBody* body = world.add( shape, btVector3( btScalar( 2 * edge * kScaleCell * k ), 0, 0 ), stiffEnough() );
 		pliant_demos::mustSucceed(
 			body->setVelocities( btVector3( 0, 0, 0 ), btVector3( btScalar( 0.1 ), btScalar( 0.3 ), btScalar( 0.2 ) ) ) );
 	}
@@ -128,9 +128,9 @@ ScaleRow pile( int bodies, int nodesEach, int threads )
 	world.addGround();
 	const double before = bytesInUse();
 	const int edge = edgeOf( nodesEach );
-	const auto shape = cubeTemplate( edge, kCell, pliant::Skinning::NearbyNodes );
+	const auto shape = cubeTemplate( edge, kScaleCell, pliant::Skinning::NearbyNodes );
 	const int row = edgeOf( bodies );
-	const double apart = 1.1 * edge * kCell;
+	const double apart = 1.1 * edge * kScaleCell;
 	for ( int k = 0; k < bodies; ++k )
 	{
 		const int layer = k / ( row * row ), x = k % row, z = k / row % row;

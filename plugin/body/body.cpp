@@ -227,4 +227,10 @@ float Body::bodyFraction( float h, float alpha ) const
 	return float( std::clamp( ( m_material.youngsModulus - regionModulus ) / ( bodyModulus - regionModulus ), 0.0, 1.0 ) );
 }
 
+Status validate( const Body& body )
+{
+	Status status = validate( body.lattice() );
+	return status.ok() && body.levels() ? body.levels()->validate() : status;
+}
+
 } // namespace pliant

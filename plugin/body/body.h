@@ -304,4 +304,7 @@ private:
 	double m_originLimit = 4.0; ///< m; the origin follows when node 0 is farther away than this
 };
 
+/// Checks lattice, octree and cut; the message names the first violation.
+Status validate( const Body& body );
+
 } // namespace pliant

@@ -3,6 +3,7 @@
 #include "body/body.h"
 #include "body/breaking.h"
 #include "body/levels/levels.h"
+#include "lattice/assert_valid.h"
 
 #include "matching/step/lattice_matcher.h"
 
@@ -167,6 +168,7 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceBui
 			}
 			piece.body = makePiece( std::move( lattice ), piece, build );
 		}
+		assertValid( *piece.body );
 	}
 	return pieces;
 }

@@ -16,7 +16,7 @@ enum class Flow : int
 	Flowing  ///< every region flows in every step
 };
 
-const char* const kNames[] = { "elastic", "plastic, below yield", "plastic, has flowed", "plastic, all flowing" };
+const char* const kFeatureNames[] = { "elastic", "plastic, below yield", "plastic, has flowed", "plastic, all flowing" };
 
 void plasticity( benchmark::State& state )
 {
@@ -41,7 +41,7 @@ void plasticity( benchmark::State& state )
 	{
 		matcher.accelerate( nodes, step, nullptr );
 	}
-	state.SetLabel( kNames[int( flow )] );
+	state.SetLabel( kFeatureNames[int( flow )] );
 	state.counters["nodes"] = nodes.count;
 	state.counters["ns_per_node"] = benchmark::Counter(
 		double( nodes.count ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );

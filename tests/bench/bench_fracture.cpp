@@ -13,7 +13,7 @@
 namespace pliant {
 namespace {
 
-constexpr float kStep = 1.0f / 240.0f;
+constexpr float kBreakStep = 1.0f / 240.0f;
 
 std::vector<CellLink> linksAcross( const Lattice& lattice, float offset )
 {
@@ -48,7 +48,7 @@ void fractureTest( benchmark::State& state )
 	static_cast<void>( body->setFracture( fracture ) );
 	for ( auto _ : state )
 	{
-		body->testLinks( kStep );
+		body->testLinks( kBreakStep );
 	}
 	state.counters["ns_per_node"] = benchmark::Counter(
 		double( body->nodeCount() ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );

@@ -16,7 +16,7 @@
 namespace pliant {
 namespace {
 
-constexpr float kStep = 1.0f / 240.0f;
+constexpr float kLevelStep = 1.0f / 240.0f;
 
 /// A palm of 32^3 cells and five fingers of 2 x 2 x 24, which stand across the blocks so that they stay finest.
 Lattice makePalm()
@@ -32,7 +32,7 @@ std::shared_ptr<const Lattice> bodyLattice( int body )
 	return std::make_shared<const Lattice>( body == 0 ? test::makeBlobLattice( 27, 1.0f, 1 ) : makePalm() );
 }
 
-void reportPerNode( benchmark::State& state, int nodes )
+void reportLevelsPerNode( benchmark::State& state, int nodes )
 {
 	state.counters["nodes"] = nodes;
 	state.counters["ns_per_node"] = benchmark::Counter(
@@ -66,9 +66,9 @@ void levelsNaive( benchmark::State& state )
 	ReferenceMatcher matcher( *lattice, wide( state ) );
 	for ( auto _ : state )
 	{
-		matcher.accelerate( nodes, MatchStep{ kStep, 0.5f, 10.0f }, nullptr );
+		matcher.accelerate( nodes, MatchStep{ kLevelStep, 0.5f, 10.0f }, nullptr );
 	}
-	reportPerNode( state, nodes.count );
+	reportLevelsPerNode( state, nodes.count );
 }
 
 void stepLevels( benchmark::State& state, int levels )
@@ -76,10 +76,10 @@ void stepLevels( benchmark::State& state, int levels )
 	const std::unique_ptr<Body> body = makeBody( bodyLattice( int( state.range( 0 ) ) ), wide( state ), levels );
 	for ( auto _ : state )
 	{
-		body->accelerateTowardGoals( kStep, 0.5f, nullptr );
-		body->integrate( kStep );
+		body->accelerateTowardGoals( kLevelStep, 0.5f, nullptr );
+		body->integrate( kLevelStep );
 	}
-	reportPerNode( state, body->nodeCount() );
+	reportLevelsPerNode( state, body->nodeCount() );
 	state.counters["bytes_per_node"] = double( body->bytes() ) / body->nodeCount();
 }
 
@@ -124,7 +124,7 @@ void levelsProduct( benchmark::State& state )
 	{
 		rates.resist( v.data(), 30.0f, to.data(), nullptr );
 	}
-	reportPerNode( state, body->nodeCount() );
+	reportLevelsPerNode( state, body->nodeCount() );
 }
 BENCHMARK( levelsProduct )->ArgNames( { "body", "sliced" } )->ArgsProduct( { { 0, 1 }, { 0, 1 } } )->Unit( benchmark::kMicrosecond );
 

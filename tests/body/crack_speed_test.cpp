@@ -8,7 +8,7 @@
 namespace pliant {
 namespace {
 
-constexpr float kStep = 1.0f / 240.0f;
+constexpr float kCrackStep = 1.0f / 240.0f;
 
 /// A slab that is weak in the middle of one side, stretched by displacing its nodes.
 std::unique_ptr<Body> pulledSlab( Stiffness stiffness )
@@ -38,7 +38,7 @@ int untilLook( Body& body )
 	int steps = 0;
 	do
 	{
-		body.testLinks( kStep );
+		body.testLinks( kCrackStep );
 		++steps;
 	} while ( body.breaking()->sinceTest > 0.0f && steps < 100 );
 	return steps;

@@ -13,10 +13,10 @@
 namespace pliant {
 namespace {
 
-constexpr float kStep = 1.0f / 60.0f;
+constexpr float kFrame = 1.0f / 60.0f;
 
 /// An elastic material with about this alpha at a sixtieth of a second and cells of 0.1 m.
-Material material( float alpha, float numericalDamping, int halfWidth = 1 )
+Material implicitMaterial( float alpha, float numericalDamping, int halfWidth = 1 )
 {
 	Material m;
 	m.elasticity = Elasticity::Implicit;
@@ -24,7 +24,7 @@ Material material( float alpha, float numericalDamping, int halfWidth = 1 )
 	m.damping = 0.0f;
 	m.wobbleDamping = 0.0f;
 	m.regionHalfWidth = halfWidth;
-	m.youngsModulus = alpha * m.density * 0.01f * float( halfWidth * ( halfWidth + 1 ) ) / ( 3.0f * kStep * kStep );
+	m.youngsModulus = alpha * m.density * 0.01f * float( halfWidth * ( halfWidth + 1 ) ) / ( 3.0f * kFrame * kFrame );
 	return m;
 }
 
@@ -50,7 +50,7 @@ TEST( ImplicitBody, ComesToRestFromAnyStretchAndNeverGainsEnergy )
 	{
 		for ( const int w : { 1, 2 } )
 		{
-			auto body = test::makeBlock( 6, 6, 6, 0.1f, material( alpha, 1.0f, w ) );
+			auto body = test::makeBlock( 6, 6, 6, 0.1f, implicitMaterial( alpha, 1.0f, w ) );
 			for ( int i = 0; i < body->nodeCount(); ++i )
 			{
 				body->nodes().x.set( i, body->nodes().x0.get( i ).cwiseProduct( Vec3( 1.5f, 0.7f, 1.0f ) ) );
@@ -59,7 +59,7 @@ TEST( ImplicitBody, ComesToRestFromAnyStretchAndNeverGainsEnergy )
 			double most = 0.0;
 			for ( int k = 0; k < 240; ++k )
 			{
-				implicitSubstep( *body, kStep );
+				implicitSubstep( *body, kFrame );
 				most = std::max( most, stretch( *body ) );
 			}
 			EXPECT_LE( most, first * 1.0001 ) << alpha << " w " << w;
@@ -73,14 +73,14 @@ TEST( ImplicitBody, RecoversFromASinglePoint )
 {
 	for ( const float alpha : { 0.5f, 300.0f } )
 	{
-		auto body = test::makeBlock( 6, 6, 6, 0.1f, material( alpha, 1.0f ) );
+		auto body = test::makeBlock( 6, 6, 6, 0.1f, implicitMaterial( alpha, 1.0f ) );
 		for ( int i = 0; i < body->nodeCount(); ++i )
 		{
 			body->nodes().x.set( i, Vec3( 0.3f, 0.1f, 0.7f ) );
 		}
 		for ( int k = 0; k < 600; ++k )
 		{
-			implicitSubstep( *body, kStep );
+			implicitSubstep( *body, kFrame );
 		}
 		EXPECT_LT( stretch( *body ), 1e-3 ) << alpha;
 		EXPECT_EQ( body->invertedFraction(), 0.0f ) << alpha;
@@ -93,7 +93,7 @@ TEST( ImplicitBody, KeepsMomentumAndSpinInFreeFlight )
 	{
 		for ( const float sigma : { 0.0f, 1.0f } )
 		{
-			auto body = test::makeBlock( 6, 4, 5, 0.1f, material( alpha, sigma ) );
+			auto body = test::makeBlock( 6, 4, 5, 0.1f, implicitMaterial( alpha, sigma ) );
 			for ( int i = 0; i < body->nodeCount(); ++i )
 			{
 				body->nodes().v.set( i, Vec3( 1, 2, -1 ) + Vec3( 0.5f, 2.0f, 1.0f ).cross( body->nodes().x.get( i ) ) );
@@ -101,7 +101,7 @@ TEST( ImplicitBody, KeepsMomentumAndSpinInFreeFlight )
 			const BodySums before = body->sums();
 			for ( int k = 0; k < 600; ++k )
 			{
-				implicitSubstep( *body, kStep );
+				implicitSubstep( *body, kFrame );
 			}
 			const BodySums after = body->sums();
 			EXPECT_LT( ( after.momentum - before.momentum ).norm() / before.momentum.norm(), 1e-5 ) << alpha << " " << sigma;
@@ -124,7 +124,7 @@ std::pair<double, double> ringing( const Material& m )
 	double most = 0.0, last = 0.0;
 	for ( int k = 0; k < 120; ++k )
 	{
-		implicitSubstep( *body, kStep );
+		implicitSubstep( *body, kFrame );
 		most = std::max( most, stretch( *body ) );
 		last = k >= 100 ? std::max( last, stretch( *body ) ) : 0.0;
 	}
@@ -133,7 +133,7 @@ std::pair<double, double> ringing( const Material& m )
 
 TEST( ImplicitBody, HasTheSetDamping )
 {
-	Material m = material( 0.5f, 0.0f );
+	Material m = implicitMaterial( 0.5f, 0.0f );
 	const double undamped = ringing( m ).second;
 	m.damping = 10.0f;
 	const double damped = ringing( m ).second;
@@ -146,7 +146,7 @@ TEST( ImplicitBody, WithKeptVolumeIsSafeHoweverStiff )
 {
 	for ( const float alpha : { 0.5f, 30.0f, 3000.0f } )
 	{
-		Material m = material( alpha, 0.0f );
+		Material m = implicitMaterial( alpha, 0.0f );
 		m.volumeKeeping = 2.0f;
 		const double first = 0.2 * std::sqrt( 3.0 * 35.0 / 12.0 ) * 0.1; // compressed by a fifth, times the root mean square arm of 6 cells
 		EXPECT_LT( ringing( m ).first, 1.5 * first ) << alpha;
@@ -160,7 +160,7 @@ TEST( ImplicitBody, SagsByTheoryAtAnyStep )
 	{
 		for ( const float step : { 1.0f / 30.0f, 1.0f / 60.0f, 1.0f / 240.0f } )
 		{
-			Material m = material( 40.0f, 1.0f, w );
+			Material m = implicitMaterial( 40.0f, 1.0f, w );
 			m.damping = 10.0f;
 			m.youngsModulus = 1e6f;
 			auto body = test::makeBlock( 4, 16, 4, 0.1f, m );
@@ -200,7 +200,7 @@ TEST( ImplicitBody, OscillatesFreelyWithoutDamping )
 	// Free bending of a bar: the remaining amplitude after five periods, and the period.
 	for ( const float sigma : { 0.0f, 1.0f } )
 	{
-		Material m = material( 1.0f, sigma );
+		Material m = implicitMaterial( 1.0f, sigma );
 		m.youngsModulus = 6e4f;
 		auto body = test::makeBlock( 16, 4, 4, 0.1f, m );
 		const auto shape = [&]( int i ) {
@@ -227,7 +227,7 @@ TEST( ImplicitBody, OscillatesFreelyWithoutDamping )
 		for ( int k = 0; k < 400; ++k )
 		{
 			at.push_back( bend() );
-			implicitSubstep( *body, kStep );
+			implicitSubstep( *body, kFrame );
 		}
 		int crossings = 0;
 		double first = -1.0, last = -1.0, tail = 0.0;
@@ -245,7 +245,7 @@ TEST( ImplicitBody, OscillatesFreelyWithoutDamping )
 			}
 		}
 		std::printf( "sigma %.0f: period %.3f s, left after five %.2f\n", double( sigma ),
-			2.0 * ( last - first ) / std::max( 1, crossings - 1 ) * double( kStep ), tail / at[0] );
+			2.0 * ( last - first ) / std::max( 1, crossings - 1 ) * double( kFrame ), tail / at[0] );
 		if ( sigma == 0.0f )
 		{
 			EXPECT_GE( tail / at[0], 0.7 );
@@ -260,15 +260,15 @@ TEST( ImplicitBody, OscillatesFreelyWithoutDamping )
 
 TEST( ImplicitBody, IsRefusedWhereThereIsNothingToLinearise )
 {
-	Material m = material( 1.0f, 1.0f );
+	Material m = implicitMaterial( 1.0f, 1.0f );
 	m.method = Method::SingleCluster;
 	EXPECT_FALSE( check( m ).ok() );
-	m = material( 1.0f, 1.5f );
+	m = implicitMaterial( 1.0f, 1.5f );
 	EXPECT_FALSE( check( m ).ok() );
-	m = material( 1.0f, 1.0f );
+	m = implicitMaterial( 1.0f, 1.0f );
 	m.farLevels = 1;
 	EXPECT_FALSE( check( m ).ok() );
-	m = material( 1.0f, 1.0f );
+	m = implicitMaterial( 1.0f, 1.0f );
 	EXPECT_TRUE( check( m ).ok() );
 }
 

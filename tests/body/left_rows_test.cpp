@@ -12,7 +12,7 @@ namespace pliant {
 namespace {
 
 /// A piece's positions are those of the whole, translated: one rounding each.
-constexpr float kRounding = 2e-5f;
+constexpr float kRowRounding = 2e-5f;
 
 /// Nodes above the cut links are split first, and their rows and those of their neighbours are deferred to the cut: measured by it where
 /// one piece remains, before it where a piece comes off. With several levels only the last split defers rows.
@@ -42,7 +42,7 @@ TEST( LeftRows, AreMeasuredWithTheCut )
 			for ( std::size_t k = 0; k < got.size(); ++k )
 			{
 				test::expectNearTables(
-					*got[k].body->levels()->tables(), *wanted[k].body->levels()->tables(), got.size() == 1 ? 0.0f : kRounding );
+					*got[k].body->levels()->tables(), *wanted[k].body->levels()->tables(), got.size() == 1 ? 0.0f : kRowRounding );
 			}
 		}
 	}

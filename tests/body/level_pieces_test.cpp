@@ -15,7 +15,7 @@
 namespace pliant {
 namespace {
 
-constexpr float kStep = 1.0f / 240.0f;
+constexpr float kPieceStep = 1.0f / 240.0f;
 
 using test::expectNear;
 using test::expectNearBase;
@@ -134,8 +134,8 @@ void run( Body& body, int steps )
 {
 	for ( int k = 0; k < steps; ++k )
 	{
-		body.adaptLevels( kStep );
-		ASSERT_EQ( test::substep( body, kStep, 0.5f ), BodyHealth::Good );
+		body.adaptLevels( kPieceStep );
+		ASSERT_EQ( test::substep( body, kPieceStep, 0.5f ), BodyHealth::Good );
 	}
 }
 
@@ -346,7 +346,7 @@ TEST( LevelPieces, KeepTheRequestsOfTheBody )
 			{
 				for ( int k = 0; k < 8; ++k )
 				{
-					piece.body->adaptLevels( kStep );
+					piece.body->adaptLevels( kPieceStep );
 				}
 				for ( int i = 0; i < piece.body->nodeCount(); ++i )
 				{
@@ -373,8 +373,8 @@ TEST( LevelPieces, AreMergedWhenTheBodyWouldBe )
 			const auto run = []( Body& body, int substeps ) {
 				for ( ; substeps > 0; --substeps )
 				{
-					body.adaptLevels( kStep );
-					ASSERT_EQ( test::substep( body, kStep, 1.0f ), BodyHealth::Good );
+					body.adaptLevels( kPieceStep );
+					ASSERT_EQ( test::substep( body, kPieceStep, 1.0f ), BodyHealth::Good );
 				}
 			};
 			made.value->changeLevels( made.value->levels()->cut().node, {} );

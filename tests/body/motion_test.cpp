@@ -17,7 +17,7 @@
 namespace pliant {
 namespace {
 
-constexpr float kStep = 1.0f / 240.0f;
+constexpr float kMotionStep = 1.0f / 240.0f;
 const Vec3 kGravity( 0.5f, -9.81f, 2.0f );
 
 /// More nodes than one task's range has, and not a multiple of the lanes.
@@ -43,8 +43,8 @@ TEST( Motion, SumsEqualTheReferenceImplementation )
 	const auto body = makeMoving( 1 );
 	for ( int k = 0; k < 3; ++k )
 	{
-		body->applyForces( kStep, kGravity );
-		ASSERT_EQ( body->integrate( kStep ), BodyHealth::Good );
+		body->applyForces( kMotionStep, kGravity );
+		ASSERT_EQ( body->integrate( kMotionStep ), BodyHealth::Good );
 		const MotionSums &sums = body->motion(), twin = body->measureMotion();
 		EXPECT_NEAR( sums.mass, twin.mass, 1e-12 * twin.mass );
 		EXPECT_NEAR( sums.squareSpeed, twin.squareSpeed, 1e-12 * twin.squareSpeed );
@@ -64,11 +64,11 @@ TEST( Motion, ForcesAreAddedNodeByNodeAndTheirSpeedsSpanned )
 	nodes.force.set( 1200, Vec3( 0, 500, 0 ) );
 	nodes.force.set( 700, Vec3( 0, 500, 0 ) ); // pinned
 	const Vec3Array before = nodes.v;
-	body->applyForces( kStep, kGravity );
+	body->applyForces( kMotionStep, kGravity );
 	Vec3 low = Vec3::Zero(), high = Vec3::Zero();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		const Vec3 pushed = before.get( i ) + nodes.freedom[i] * kStep * ( kGravity + nodes.force.get( i ) / nodes.mass[i] );
+		const Vec3 pushed = before.get( i ) + nodes.freedom[i] * kMotionStep * ( kGravity + nodes.force.get( i ) / nodes.mass[i] );
 		EXPECT_LT( ( nodes.v.get( i ) - pushed ).norm(), 1e-5f ) << i;
 		low = low.cwiseMin( nodes.v.get( i ) );
 		high = high.cwiseMax( nodes.v.get( i ) );
@@ -79,7 +79,7 @@ TEST( Motion, ForcesAreAddedNodeByNodeAndTheirSpeedsSpanned )
 	EXPECT_EQ( Vec3( body->velocities().high ), high );
 	EXPECT_EQ( body->velocities().worst, 0.0f );
 	nodes.v.z[nodes.count - 1] = std::numeric_limits<float>::infinity();
-	body->applyForces( kStep, kGravity );
+	body->applyForces( kMotionStep, kGravity );
 	EXPECT_NE( body->velocities().worst, 0.0f );
 }
 
@@ -91,9 +91,9 @@ TEST( Motion, IsTheSameToTheBitOnAnyThreadCount )
 	{
 		for ( const auto& [body, runner] : { std::pair( alone.get(), (TaskRunner*)nullptr ), std::pair( shared.get(), threads.get() ) } )
 		{
-			body->accelerateTowardGoals( kStep, 0.5f, runner );
-			body->applyForces( kStep, kGravity, runner );
-			ASSERT_EQ( body->integrate( kStep, runner ), BodyHealth::Good );
+			body->accelerateTowardGoals( kMotionStep, 0.5f, runner );
+			body->applyForces( kMotionStep, kGravity, runner );
+			ASSERT_EQ( body->integrate( kMotionStep, runner ), BodyHealth::Good );
 		}
 		EXPECT_TRUE( haveEqualBits( alone->nodes().x, shared->nodes().x ) );
 		EXPECT_TRUE( haveEqualBits( alone->nodes().v, shared->nodes().v ) );
@@ -113,11 +113,11 @@ TEST( Motion, RestoresTheLastFinitePositionsForABadNumberAnywhere )
 		{
 			for ( int k = 0; k < good; ++k )
 			{
-				ASSERT_EQ( test::substep( *body, kStep, 0.5f, kGravity ), BodyHealth::Good );
+				ASSERT_EQ( test::substep( *body, kMotionStep, 0.5f, kGravity ), BodyHealth::Good );
 			}
 			const Vec3Array last = body->nodes().x;
 			body->nodes().v.z[bad] = std::numeric_limits<float>::quiet_NaN();
-			EXPECT_EQ( body->integrate( kStep ), BodyHealth::Quarantined );
+			EXPECT_EQ( body->integrate( kMotionStep ), BodyHealth::Quarantined );
 			EXPECT_TRUE( haveEqualBits( body->nodes().x, last ) ) << bad;
 			EXPECT_EQ( body->motion().squareSpeed, 0.0 );
 		}
@@ -155,8 +155,8 @@ TEST( Motion, KernelsGiveTheSameBitsOnEveryInstructionSet )
 		std::copy_n( arrays[2], 3, view.kept );
 		view.mass = one.nodes.mass.data();
 		view.freedom = one.nodes.freedom.data();
-		kernels->push( view, kGravity.data(), kStep, 0, padded, one.span );
-		kernels->advance( view, kStep, 0, padded, one.sums );
+		kernels->push( view, kGravity.data(), kMotionStep, 0, padded, one.span );
+		kernels->advance( view, kMotionStep, 0, padded, one.sums );
 		EXPECT_TRUE( haveEqualBits( one.nodes.x, one.kept ) );
 	}
 	for ( const Moved& one : moved )

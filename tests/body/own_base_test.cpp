@@ -11,7 +11,7 @@ namespace pliant {
 namespace {
 
 /// A piece's positions are those of the whole, translated: one rounding each.
-constexpr float kRounding = 2e-5f;
+constexpr float kBaseRounding = 2e-5f;
 
 std::vector<BodyPiece> cutAtFour( Body& body, int most, PieceBuild road = PieceBuild::Reuse )
 {
@@ -62,7 +62,7 @@ TEST_F( OwnBase, ChangesInPlaceWhenSomethingComesOff )
 	const std::vector<BodyPiece> got = cutTwice( *one ), wanted = cutTwice( *other, PieceBuild::FromScratch );
 	ASSERT_EQ( got.size(), 2u );
 	ASSERT_NE( got[0].cellBefore[0], 0u ); // otherwise nothing would have to be renumbered
-	expectSamePieces( got, wanted, kRounding );
+	expectSamePieces( got, wanted, kBaseRounding );
 }
 
 TEST_F( OwnBase, KeepsTheBaseOfOtherBodies )

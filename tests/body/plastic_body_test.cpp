@@ -13,7 +13,7 @@
 namespace pliant {
 namespace {
 
-constexpr float kStep = 0.001f;
+constexpr float kPullStep = 0.001f;
 constexpr float kCell = 0.1f;
 constexpr int kLength = 16;
 
@@ -36,7 +36,7 @@ Material materialOf( const Pull& pull )
 	return material;
 }
 
-std::unique_ptr<Body> makeBar( const Pull& pull )
+std::unique_ptr<Body> makePulledBar( const Pull& pull )
 {
 	Adaptivity adaptivity;
 	adaptivity.coarseLevels = pull.coarseLevels;
@@ -48,9 +48,9 @@ std::unique_ptr<Body> makeBar( const Pull& pull )
 
 void run( Body& body, float seconds, float heldBeyond )
 {
-	for ( int k = 0; k < int( std::lround( seconds / kStep ) ); ++k )
+	for ( int k = 0; k < int( std::lround( seconds / kPullStep ) ); ++k )
 	{
-		body.accelerateTowardGoals( kStep, body.material().alpha, nullptr );
+		body.accelerateTowardGoals( kPullStep, body.material().alpha, nullptr );
 		NodeState& nodes = body.nodes();
 		for ( int i = 0; i < nodes.count; ++i )
 		{
@@ -59,7 +59,7 @@ void run( Body& body, float seconds, float heldBeyond )
 				nodes.v.x[i] = 0.0f; // held along the bar, free across it
 			}
 		}
-		body.integrate( kStep );
+		body.integrate( kPullStep );
 	}
 }
 
@@ -88,7 +88,7 @@ float endOf( const Body& body )
 
 std::unique_ptr<Body> pullBar( const Pull& pull )
 {
-	std::unique_ptr<Body> body = makeBar( pull );
+	std::unique_ptr<Body> body = makePulledBar( pull );
 	NodeState& nodes = body->nodes();
 	for ( int i = 0; i < nodes.count; ++i )
 	{

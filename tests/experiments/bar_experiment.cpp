@@ -15,9 +15,9 @@ namespace pliant::experiment {
 namespace {
 
 constexpr double kPiHere = 3.14159265358979323846;
-constexpr double kRoot = 4.730040745;            // cos( root ) cosh( root ) = 1
-constexpr double kLength = 96.0, kHeight = 24.0; // cells
-constexpr float kStep = 0.01f;                   // s
+constexpr double kRoot = 4.730040745;                  // cos( root ) cosh( root ) = 1
+constexpr double kBarLength = 96.0, kBarHeight = 24.0; // cells
+constexpr float kBarStep = 0.01f;                      // s
 
 struct Bar
 {
@@ -34,18 +34,18 @@ Bar makeBar( double degrees )
 	const int scratch = 104;
 	const auto isInside = [&]( int x, int y, int ) {
 		const Vec3d p( x + 0.5 - scratch / 2, y + 0.5 - scratch / 2, 0.0 );
-		return std::abs( p.dot( bar.along ) ) < kLength / 2 && std::abs( p.dot( bar.across ) ) < kHeight / 2;
+		return std::abs( p.dot( bar.along ) ) < kBarLength / 2 && std::abs( p.dot( bar.across ) ) < kBarHeight / 2;
 	};
-	bar.lattice = std::make_shared<const Lattice>( test::makeShapeLattice( { scratch, scratch, int( kHeight ) }, 1.0f, isInside ) );
+	bar.lattice = std::make_shared<const Lattice>( test::makeShapeLattice( { scratch, scratch, int( kBarHeight ) }, 1.0f, isInside ) );
 	return bar;
 }
 
 Vec3d modeShape( const Bar& bar, bool bends, const Vec3d& at )
 {
-	const double s = at.dot( bar.along ), t = at.dot( bar.across ), k = kRoot / kLength;
+	const double s = at.dot( bar.along ), t = at.dot( bar.across ), k = kRoot / kBarLength;
 	if ( !bends )
 	{
-		return bar.along * std::sin( kPiHere * s / kLength );
+		return bar.along * std::sin( kPiHere * s / kBarLength );
 	}
 	const double c = std::cos( kRoot / 2 ) / std::cosh( kRoot / 2 );
 	const double height = std::cos( k * s ) + std::cosh( k * s ) * c, slope = k * ( -std::sin( k * s ) + std::sinh( k * s ) * c );
@@ -78,8 +78,8 @@ double frequency( const Bar& bar, int level, int halfWidth, bool bends )
 	double before = 1.0;
 	for ( int step = 1; step < 4000 && crossings.size() < 5; ++step )
 	{
-		body->accelerateTowardGoals( kStep, 1.0f, nullptr );
-		body->integrate( kStep );
+		body->accelerateTowardGoals( kBarStep, 1.0f, nullptr );
+		body->integrate( kBarStep );
 		double amplitude = 0.0;
 		for ( int i = 0; i < nodes.count; ++i )
 		{
@@ -101,7 +101,7 @@ void barExperiment()
 {
 	std::printf( "Bar of %.0f x %.0f x %.0f cells; E over rod theory, and the bending frequency over that of level 0 at 0 degrees\n\n"
 				 "| w | angle | level 0 | level 1 | level 2 | level 3 |\n|---|---|---|---|---|---|\n",
-		kLength, kHeight, kHeight );
+		kBarLength, kBarHeight, kBarHeight );
 	double lowE = 1e9, highE = 0.0, lowBend = 1e9, highBend = 0.0;
 	for ( int w = 1; w <= 2; ++w )
 	{
@@ -113,7 +113,7 @@ void barExperiment()
 			for ( int level = 0; level <= 3; ++level )
 			{
 				// c = sqrt( w ( w + 1 ) / 3 ) cells a step; stretching: f = c / ( 2 L )
-				const double stretch = frequency( bar, level, w, false ) * 2.0 * kLength / std::sqrt( w * ( w + 1 ) / 3.0 );
+				const double stretch = frequency( bar, level, w, false ) * 2.0 * kBarLength / std::sqrt( w * ( w + 1 ) / 3.0 );
 				const double bend = frequency( bar, level, w, true );
 				reference = reference == 0.0 ? bend : reference;
 				std::printf( " E %.3f, bend %.3f |", stretch * stretch, bend / reference );

@@ -34,7 +34,7 @@ constexpr Regime kRegimes[] = { { "A", 23, 1, 0.5f, 0.39, 0.6f }, { "B", 23, 2, 
 	{ "D", 23, 2, 1.0f, 0.39, 1.0f }, { "E", 23, 1, 1.0f, 0.39, 0.75f }, { "F", 28, 1, 0.5f, 0.39, 0.5f } };
 constexpr int kRegimeCount = 6;
 constexpr int kContactStep = 320, kLastStep = 500, kStepsAWrite = 20;
-constexpr float kStep = 0.01f; // s
+constexpr float kGlobStep = 0.01f; // s
 
 /// Means over the nodes of one moment, shares of the box's diagonal.
 struct Errors
@@ -71,7 +71,7 @@ public:
 		}
 		m_diagonal = double( ( high - low ).norm() ) + m_lattice->cellSize;
 		m_placement.position = Vec3d( 0.0, 0.0, regime.drop * m_diagonal - lowest );
-		const double time = double( kContactStep * kStep );
+		const double time = double( kContactStep * kGlobStep );
 		m_gravity = float( 2.0 * regime.drop * m_diagonal / ( time * time ) );
 	}
 
@@ -96,12 +96,12 @@ public:
 		for ( int step = 1; step <= kLastStep; ++step )
 		{
 			const auto start = std::chrono::steady_clock::now();
-			body->adaptLevels( kStep );
-			body->accelerateTowardGoals( kStep, m_regime.alpha, nullptr );
+			body->adaptLevels( kGlobStep );
+			body->accelerateTowardGoals( kGlobStep, m_regime.alpha, nullptr );
 			seconds += std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
-			body->applyForces( kStep, Vec3( 0.0f, 0.0f, -m_gravity ) );
+			body->applyForces( kGlobStep, Vec3( 0.0f, 0.0f, -m_gravity ) );
 			holdAboveGround( *body );
-			body->integrate( kStep );
+			body->integrate( kGlobStep );
 			result.meanNodes += double( body->nodeCount() ) / kLastStep;
 			if ( step % kStepsAWrite == 0 )
 			{
@@ -128,9 +128,9 @@ private:
 		for ( int i = 0; i < nodes.count; ++i )
 		{
 			const double scratch = nodes.origin.z() + nodes.x.z[i] - 0.5 * ( std::cbrt( double( nodes.mass[i] ) ) - 1.0 );
-			if ( scratch + kStep * nodes.v.z[i] < 0.0 )
+			if ( scratch + kGlobStep * nodes.v.z[i] < 0.0 )
 			{
-				nodes.v.z[i] = float( -scratch / kStep );
+				nodes.v.z[i] = float( -scratch / kGlobStep );
 			}
 		}
 	}

@@ -19,7 +19,7 @@ namespace pliant::experiment {
 
 namespace {
 
-constexpr float kStep = 1.0f / 240.0f;
+constexpr float kSplitStep = 1.0f / 240.0f;
 constexpr int kRounds = 7;
 constexpr double kRoundSeconds = 0.05;
 
@@ -52,7 +52,7 @@ std::shared_ptr<const Lattice> makePalm()
 	} ) );
 }
 
-std::unique_ptr<Body> makeBody( std::shared_ptr<const Lattice> lattice, const Adaptivity& adaptivity )
+std::unique_ptr<Body> makeSplittingBody( std::shared_ptr<const Lattice> lattice, const Adaptivity& adaptivity )
 {
 	std::unique_ptr<Body> body = std::move( Body::create( std::move( lattice ), Material{}, {}, nullptr, adaptivity ).value );
 	for ( int i = 0; i < body->nodeCount(); ++i )
@@ -65,8 +65,8 @@ std::unique_ptr<Body> makeBody( std::shared_ptr<const Lattice> lattice, const Ad
 double secondsOfStep( Body& body )
 {
 	return secondsOf( [&body] {
-		body.accelerateTowardGoals( kStep, 0.5f, nullptr );
-		body.integrate( kStep );
+		body.accelerateTowardGoals( kSplitStep, 0.5f, nullptr );
+		body.integrate( kSplitStep );
 	} );
 }
 
@@ -82,21 +82,21 @@ void roadsOfThePalm( const std::shared_ptr<const Lattice>& palm )
 		"in the paper" );
 	NodeState nodes = test::restNodes( *palm );
 	ReferenceMatcher reference( *palm, Material{} );
-	const double naive = secondsOf( [&] { reference.accelerate( nodes, MatchStep{ kStep, 0.5f, 10.0f }, nullptr ); } );
+	const double naive = secondsOf( [&] { reference.accelerate( nodes, MatchStep{ kSplitStep, 0.5f, 10.0f }, nullptr ); } );
 	printRoad( "LSM, each region summed anew (naive)", "35 000 nodes, 2.5/s", nodes.count, naive, naive );
 
 	constexpr int kLevels = 3;
 	Adaptivity octree = steinemannAdaptivity( kLevels );
 	octree.keepMass = 2.0f; // never: all nodes stay finest
-	const std::unique_ptr<Body> regular = makeBody( palm, octree );
+	const std::unique_ptr<Body> regular = makeSplittingBody( palm, octree );
 	printRoad( "octree code on the same lattice, no adaptivity", "4.6/s, 1.8 x", regular->nodeCount(), secondsOfStep( *regular ), naive );
-	const std::unique_ptr<Body> fast = makeBody( palm, {} );
+	const std::unique_ptr<Body> fast = makeSplittingBody( palm, {} );
 	printRoad( "LSM, fast sums, all that our code can", "about 10/s, 4 x", fast->nodeCount(), secondsOfStep( *fast ), naive );
-	const std::unique_ptr<Body> theirs = makeBody( palm, steinemannAdaptivity( kLevels ) );
+	const std::unique_ptr<Body> theirs = makeSplittingBody( palm, steinemannAdaptivity( kLevels ) );
 	printRoad( "levels, Steinemann's method", "661 nodes, 222/s, 88 x", theirs->nodeCount(), secondsOfStep( *theirs ), naive );
 	Adaptivity mine;
 	mine.coarseLevels = kLevels;
-	const std::unique_ptr<Body> ours = makeBody( palm, mine );
+	const std::unique_ptr<Body> ours = makeSplittingBody( palm, mine );
 	printRoad( "levels, ours", "", ours->nodeCount(), secondsOfStep( *ours ), naive );
 }
 
@@ -159,7 +159,7 @@ void printSplits( const std::shared_ptr<const Lattice>& palm )
 	for ( const auto& [name, adaptivity] :
 		{ std::pair<const char*, Adaptivity>( "Steinemann's method", steinemannAdaptivity( 3 ) ), { "ours", ours } } )
 	{
-		const std::unique_ptr<Body> body = makeBody( palm, adaptivity );
+		const std::unique_ptr<Body> body = makeSplittingBody( palm, adaptivity );
 		const Split split = splitOf( *body );
 		const double all = ( split.sums + split.rotation + split.goals + split.rest ) / 100.0;
 		std::printf(

@@ -1,4 +1,4 @@
-// The demos' own shapes are closed and turned outward, and enclose the volume that geometry says.
+// The demos' own shapes are closed and turned outward, and enclose the shapeVolume that geometry says.
 
 #include "demos/shapes.h"
 
@@ -33,7 +33,7 @@ bool isClosed( const ModelMesh& mesh )
 	return !edges.empty();
 }
 
-double volume( const ModelMesh& mesh )
+double shapeVolume( const ModelMesh& mesh )
 {
 	double sum = 0;
 	for ( std::size_t t = 0; t < mesh.indices.size(); t += 3 )
@@ -57,7 +57,7 @@ TEST( Shapes, CubeEnclosesItsVolume )
 		const ModelMesh cube = pliant_demos::makeCube( 0.5f, cuts );
 		EXPECT_TRUE( isClosed( cube ) );
 		EXPECT_EQ( cube.triangleCount(), std::size_t( 12 * cuts * cuts ) );
-		EXPECT_NEAR( volume( cube ), 0.125, 1e-6 );
+		EXPECT_NEAR( shapeVolume( cube ), 0.125, 1e-6 );
 	}
 }
 
@@ -65,10 +65,10 @@ TEST( Shapes, SphereAndTorusApproachTheirVolume )
 {
 	const ModelMesh sphere = pliant_demos::makeSphere( 1.0f, 4 );
 	EXPECT_TRUE( isClosed( sphere ) );
-	EXPECT_NEAR( volume( sphere ), kPi / 6, 0.003 );
+	EXPECT_NEAR( shapeVolume( sphere ), kPi / 6, 0.003 );
 	const ModelMesh torus = pliant_demos::makeTorus( 0.4f, 0.1f, 96, 48 );
 	EXPECT_TRUE( isClosed( torus ) );
-	EXPECT_NEAR( volume( torus ), 2 * kPi * kPi * 0.4 * 0.01, 0.001 );
+	EXPECT_NEAR( shapeVolume( torus ), 2 * kPi * kPi * 0.4 * 0.01, 0.001 );
 }
 
 TEST( Shapes, OneMetaballIsABall )
@@ -77,7 +77,7 @@ TEST( Shapes, OneMetaballIsABall )
 	const ModelMesh ball = pliant_demos::makeMetaballs( { { { 0.1f, -0.2f, 0.3f }, { 0.5f, 0.5f, 0.5f } } }, 0.5f, 0.03f );
 	EXPECT_TRUE( isClosed( ball ) );
 	const double radius = 0.5 * std::sqrt( std::log( 2.0 ) );
-	EXPECT_NEAR( volume( ball ), 4.0 / 3.0 * kPi * radius * radius * radius, 0.003 );
+	EXPECT_NEAR( shapeVolume( ball ), 4.0 / 3.0 * kPi * radius * radius * radius, 0.003 );
 }
 
 TEST( Shapes, StandInsAreClosedAndFitted )
@@ -85,7 +85,7 @@ TEST( Shapes, StandInsAreClosedAndFitted )
 	for ( ModelMesh mesh : { pliant_demos::makeGlob(), pliant_demos::makeBunnyLike() } )
 	{
 		EXPECT_TRUE( isClosed( mesh ) ) << mesh.name;
-		EXPECT_GT( volume( mesh ), 0.05 ) << mesh.name;
+		EXPECT_GT( shapeVolume( mesh ), 0.05 ) << mesh.name;
 		pliant_demos::fitHeight( mesh, 0.7f );
 		float low = 1e9f, high = -1e9f;
 		for ( std::size_t i = 1; i < mesh.positions.size(); i += 3 )

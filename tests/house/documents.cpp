@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 namespace {
 
 // Folders whose files the documents name; the documents that describe the present. docs/history/ describes the past.
-const char* const kNamedFolders[] = { "plugin", "demos", "third_party_glue", "tests", "docs" };
+const char* const kNamedFolders[] = { ".ci", "plugin", "demos", "third_party_glue", "tests", "docs" };
 const char* const kDocuments[] = { "README.md", "CONTRIBUTING.md", "docs/guide", "docs/design", "docs/study.md", "docs/benchmarks.md" };
 
 std::string relativePath( const fs::path& path, const fs::path& root )

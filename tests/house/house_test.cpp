@@ -93,6 +93,12 @@ TEST( House, StagesAreCalledInOnePlace )
 	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
 }
 
+TEST( House, StagesAreCalledInOrder )
+{
+	const Complaints complaints = checkStageOrder( ours() );
+	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
+}
+
 TEST( House, HasNoCircles )
 {
 	const Complaints complaints = checkCircles( ours() );
@@ -216,6 +222,19 @@ TEST_F( SmallHouse, StagesCalledElsewhereAreSeen )
 	EXPECT_EQ( checkStages( tree() ).size(), 1u );
 	put( "plugin/world/step/world_step.cpp", "" );
 	EXPECT_GT( checkStages( tree() ).size(), 20u );
+}
+
+TEST_F( SmallHouse, StagesOutOfOrderAreSeen )
+{
+	std::string order;
+	for ( const std::string& line : ours().files().at( "plugin/world/step/world_step.cpp" ).lines )
+	{
+		const bool isDetect = line.find( "m_stages.detect()" ) != std::string::npos;
+		const bool isIslands = line.find( "m_stages.findIslands()" ) != std::string::npos;
+		order += ( isDetect ? "	m_stages.findIslands();" : isIslands ? "	m_stages.detect();" : line ) + "\n";
+	}
+	put( "plugin/world/step/world_step.cpp", order );
+	EXPECT_EQ( checkStageOrder( tree() ).size(), 1u ) << listOf( checkStageOrder( tree() ) );
 }
 
 TEST_F( SmallHouse, CircleIsSeen )

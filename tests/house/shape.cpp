@@ -265,6 +265,39 @@ Complaints checkStages( const SourceTree& tree )
 	return complaints;
 }
 
+Complaints checkStageOrder( const SourceTree& tree )
+{
+	static const std::vector<std::vector<std::string>> kOrders = {
+		{ "m_stages.predict", "m_stages.findPredictiveContacts", "m_stages.detect", "m_stages.findIslands", "m_stages.solve",
+			"m_stages.integrate" },
+		{ "bodies.accelerate", "m_stages.basePredict", "m_stages.baseFindPredictiveContacts", "bodies.holdPredictiveContacts",
+			"bodies.collideWithThemselves", "bodies.endCollision", "bodies.releaseRefusedPairs", "m_moved.moveToNodes",
+			"bodies.solveImplicit", "frictionTorque.aim", "m_restitution.aim", "m_stages.baseSolve", "m_restitution.settle",
+			"frictionTorque.sum", "bodies.noteSolved", "m_moved.moveBack", "bodies.readBack", "m_stages.baseIntegrate", "bodies.holdBack",
+			"bodies.integrate", "frictionTorque.give", "bodies.freshenShapes", "bodies.testLinks", "m_stages.baseUpdateActivation",
+			"bodies.updateActivation" } };
+	const std::string path = "plugin/world/step/world_step.cpp";
+	const std::vector<std::string>& lines = tree.files().at( path ).lines;
+	Complaints complaints;
+	for ( const std::vector<std::string>& order : kOrders )
+	{
+		std::ptrdiff_t before = -1;
+		for ( const std::string& stage : order )
+		{
+			// Where a stage has a shorter way for worlds without soft bodies, the last call is the one of the others.
+			const auto last = std::find_if( lines.rbegin(), lines.rend(),
+				[&stage]( const std::string& line ) { return withoutComment( line ).find( stage + "(" ) != std::string::npos; } );
+			const std::ptrdiff_t at = lines.rend() - last - 1;
+			if ( at <= before )
+			{
+				complaints.push_back( path + ": the stage " + stage + " is not in its place" );
+			}
+			before = std::max( before, at );
+		}
+	}
+	return complaints;
+}
+
 Complaints checkTopLevel( const fs::path& root )
 {
 	static const std::set<std::string> kBelongs = { "CMakeLists.txt", "plugin", "demos", "third_party_glue", "tests", "docs", "README.md",

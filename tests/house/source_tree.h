@@ -58,6 +58,9 @@ Complaints checkSubfolders( const SourceTree& tree );
 /// The stages of a step are called in plugin/world/step/world_step.cpp, each of them, and from no other file.
 Complaints checkStages( const SourceTree& tree );
 
+/// There they stand in the order of the step.
+Complaints checkStageOrder( const SourceTree& tree );
+
 /// No header reaches itself.
 Complaints checkCircles( const SourceTree& tree );
 

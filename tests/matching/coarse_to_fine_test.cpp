@@ -37,8 +37,8 @@ Lattice lattices( int which )
 					  : makeBlockLattice( 33, 1, 1, kCell );
 }
 
-/// Turned by far, bent and shaken.
-NodeState shaken( const Lattice& lattice, float shake, const Vec3& where = Vec3( 2, -1, 3 ) )
+/// Turned by far, bent and bentAndTurned.
+NodeState bentAndTurned( const Lattice& lattice, float shake, const Vec3& where = Vec3( 2, -1, 3 ) )
 {
 	NodeState nodes = test::restNodes( lattice );
 	test::Seeded random( 7 );
@@ -60,7 +60,7 @@ MatchStep stepOf( const FarFractions& fractions )
 	return step;
 }
 
-double largestSpeed( const NodeState& nodes )
+double largestVelocity( const NodeState& nodes )
 {
 	double largest = 0.0;
 	for ( int i = 0; i < nodes.count; ++i )
@@ -70,7 +70,7 @@ double largestSpeed( const NodeState& nodes )
 	return largest;
 }
 
-bool sameVelocities( const NodeState& a, const NodeState& b )
+bool sameVelocityBits( const NodeState& a, const NodeState& b )
 {
 	const std::size_t bytes = std::size_t( a.count ) * sizeof( float );
 	return std::memcmp( a.v.x.data(), b.v.x.data(), bytes ) == 0 && std::memcmp( a.v.y.data(), b.v.y.data(), bytes ) == 0 &&
@@ -87,7 +87,7 @@ TEST_P( FarTwin, AgreesOnEveryLevel )
 	{
 		for ( const bool isHeld : { false, true } )
 		{
-			NodeState start = shaken( lattice, 0.5f );
+			NodeState start = bentAndTurned( lattice, 0.5f );
 			for ( int i = 0; i < start.count; ++i )
 			{
 				start.freedom[i] = isHeld && i % 23 < 4 ? 0.0f : 1.0f;
@@ -129,7 +129,7 @@ TEST_P( FarTwin, AgreesOnEveryLevel )
 TEST_P( FarTwin, MovesNoMomentumOnAnyLevel )
 {
 	const Lattice lattice = lattices( GetParam() );
-	const NodeState nodes = shaken( lattice, 2.0f );
+	const NodeState nodes = bentAndTurned( lattice, 2.0f );
 	LatticeMatcher matcher( lattice, Material{} );
 	matcher.setFarLevels( 3 );
 	for ( int level = 1; level <= 3; ++level )
@@ -153,7 +153,7 @@ TEST_P( FarTwin, MovesNoMomentumOnAnyLevel )
 TEST_P( FarTwin, MovesNoMomentumInTheStep )
 {
 	const Lattice lattice = lattices( GetParam() );
-	NodeState nodes = shaken( lattice, 2.0f, Vec3::Zero() );
+	NodeState nodes = bentAndTurned( lattice, 2.0f, Vec3::Zero() );
 	LatticeMatcher matcher( lattice, Material{} );
 	matcher.setFarLevels( 3 );
 	matcher.accelerate( nodes, stepOf( { 0.6f, 0.6f, 0.6f } ), nullptr );
@@ -176,18 +176,18 @@ INSTANTIATE_TEST_SUITE_P( Bodies, FarTwin, testing::Range( 0, 5 ) );
 TEST( FarLevels, LeaveARigidMotionAlone )
 {
 	const Lattice lattice = makeBlockLattice( 32, 8, 9, kCell );
-	NodeState nodes = shaken( lattice, 0.0f );
+	NodeState nodes = bentAndTurned( lattice, 0.0f );
 	LatticeMatcher matcher( lattice, Material{} );
 	matcher.setFarLevels( 3 );
 	matcher.accelerate( nodes, stepOf( { 0.6f, 0.6f, 0.6f } ), nullptr );
-	EXPECT_LT( largestSpeed( nodes ), 1e-3 ); // positions of 5 m are known to 5e-7 m
+	EXPECT_LT( largestVelocity( nodes ), 1e-3 ); // positions of 5 m are known to 5e-7 m
 }
 
 TEST( FarLevels, TurnWithTheBody )
 {
 	const Lattice lattice = makeBlockLattice( 24, 8, 9, kCell );
 	const Eigen::Quaternionf turn( Eigen::AngleAxisf( 2.5f, Vec3( -2, 1, 1 ).normalized() ) );
-	NodeState here = shaken( lattice, 1.0f, Vec3::Zero() ), there = here;
+	NodeState here = bentAndTurned( lattice, 1.0f, Vec3::Zero() ), there = here;
 	for ( int i = 0; i < there.count; ++i )
 	{
 		there.x.set( i, turn * there.x.get( i ) );
@@ -203,7 +203,7 @@ TEST( FarLevels, TurnWithTheBody )
 	{
 		worst = std::max( worst, double( ( turn * here.v.get( i ) - there.v.get( i ) ).norm() ) );
 	}
-	EXPECT_LT( worst, 1e-4 * largestSpeed( here ) );
+	EXPECT_LT( worst, 1e-4 * largestVelocity( here ) );
 }
 
 TEST( FarLevels, GiveTheSameBitsOnEveryInstructionSetAndForAnyThreadCount )
@@ -215,14 +215,14 @@ TEST( FarLevels, GiveTheSameBitsOnEveryInstructionSetAndForAnyThreadCount )
 		const auto run = [&]( const Kernels& kernels, TaskRunner* runner ) {
 			LatticeMatcher matcher( lattice, Material{}, Summation::Automatic, kernels );
 			matcher.setFarLevels( 3 );
-			results.push_back( shaken( lattice, shake ) );
+			results.push_back( bentAndTurned( lattice, shake ) );
 			MatchStep step = stepOf( { 0.6f, 0.5f, 0.3f } );
 			step.damping = 10.0f;
 			for ( int k = 0; k < 5; ++k )
 			{
 				matcher.accelerate( results.back(), step, runner );
 			}
-			EXPECT_TRUE( sameVelocities( results.front(), results.back() ) ) << kernels.name;
+			EXPECT_TRUE( sameVelocityBits( results.front(), results.back() ) ) << kernels.name;
 		};
 		for ( const KernelTarget target : { KernelTarget::Baseline, KernelTarget::Avx2, KernelTarget::Avx512 } )
 		{
@@ -251,10 +251,10 @@ TEST( FarLevels, DoNothingWhereTheFinestLevelIsEnough )
 	EXPECT_EQ( farMoment( none ), 0.0 );
 	LatticeMatcher plain( lattice, material ), with( lattice, material );
 	with.setFarLevels( 3 );
-	NodeState a = shaken( lattice, 1.0f ), b = a;
+	NodeState a = bentAndTurned( lattice, 1.0f ), b = a;
 	plain.accelerate( a, stepOf( {} ), nullptr );
 	with.accelerate( b, stepOf( none ), nullptr );
-	EXPECT_TRUE( sameVelocities( a, b ) );
+	EXPECT_TRUE( sameVelocityBits( a, b ) );
 	EXPECT_EQ( plain.farLevels(), nullptr );
 	with.setFarLevels( 0 );
 	EXPECT_EQ( with.bytes(), plain.bytes() );

@@ -15,7 +15,7 @@
 namespace pliant {
 namespace {
 
-constexpr float kStep = 0.01f;
+constexpr float kFlowStep = 0.01f;
 
 /// Pulled along x, pressed along y, sheared, shaken by a hundredth of a cell.
 NodeState pulled( const Lattice& lattice, float pull )
@@ -38,7 +38,7 @@ void move( NodeState& nodes )
 {
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		nodes.x.set( i, nodes.x.get( i ) + kStep * nodes.v.get( i ) );
+		nodes.x.set( i, nodes.x.get( i ) + kFlowStep * nodes.v.get( i ) );
 	}
 }
 
@@ -51,7 +51,7 @@ Material flowing( float yieldStrain )
 
 MatchStep stepWith( const PlasticLaw& law )
 {
-	return MatchStep{ kStep, 0.6f, 5.0f, 0.0f, 0.0f, false, law };
+	return MatchStep{ kFlowStep, 0.6f, 5.0f, 0.0f, 0.0f, false, law };
 }
 
 struct Case
@@ -85,7 +85,7 @@ TEST_P( Plasticity, AgreesWithTheSlowTwin )
 	}
 	ASSERT_TRUE( fast.plasticFlow() );
 	// A region that stands at the yield strain may flow one substep longer in one of the two: by h creep times the yield strain.
-	const double oneFlow = kStep * 60.0 * 0.05;
+	const double oneFlow = kFlowStep * 60.0 * 0.05;
 	double worst = 0.0, most = 0.0, sum = 0.0;
 	for ( int r = 0; r < a.count; ++r )
 	{
@@ -178,7 +178,7 @@ TEST( PlasticFlow, NeverRaisesTheElasticEnergy )
 		region.total = ( one + randomMatrix( random, k % 5 == 0 ? 0.05f : 0.6f ) ) * stretch;
 		region.rotation = fitRotation( region.total * region.moment * stretch, Eigen::Quaterniond::Identity() ).toRotationMatrix();
 		const double before = region.energy( region.rotation, stretch );
-		if ( flowStretch( PlasticLaw{ 0.02f, 100.0f, float( limit ) }, kStep, region, stretch ) )
+		if ( flowStretch( PlasticLaw{ 0.02f, 100.0f, float( limit ) }, kFlowStep, region, stretch ) )
 		{
 			++flowed;
 			const Eigen::Matrix3d fitted = fitRotation( region.total * region.moment * stretch, Eigen::Quaterniond::Identity() )

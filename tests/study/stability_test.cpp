@@ -12,7 +12,7 @@ namespace {
 using namespace pliant_study;
 
 template <class T>
-const T& named( const std::vector<T>& all, const std::string& name )
+const T& caseNamed( const std::vector<T>& all, const std::string& name )
 {
 	const auto at = std::find_if( all.begin(), all.end(), [&name]( const T& one ) { return one.name == name; } );
 	return at != all.end() ? *at : throw std::out_of_range( name );
@@ -22,7 +22,7 @@ Verdict verdictOf( const std::string& ordeal, const std::string& method, int ste
 {
 	static const std::vector<StabilityCase> kCases = stabilityCases();
 	static const std::vector<StabilityMethod> kMethods = stabilityMethods( true );
-	return endure( named( kCases, ordeal ), named( kMethods, method ), steps, 1 );
+	return endure( caseNamed( kCases, ordeal ), caseNamed( kMethods, method ), steps, 1 );
 }
 
 class GreenByDefault : public testing::TestWithParam<const char*>

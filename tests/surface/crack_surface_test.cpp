@@ -13,15 +13,15 @@ namespace {
 
 using namespace test;
 
-struct Solid
+struct CrackedSolid
 {
 	const char* name;
 	std::function<Mesh()> make;
 	double cellSize;
-	friend void PrintTo( const Solid& solid, std::ostream* out ) { *out << solid.name; }
+	friend void PrintTo( const CrackedSolid& solid, std::ostream* out ) { *out << solid.name; }
 };
 
-std::vector<Solid> solids()
+std::vector<CrackedSolid> crackedSolids()
 {
 	// clang-format off
 	return {
@@ -37,7 +37,7 @@ std::vector<Solid> solids()
 	// clang-format on
 }
 
-class Cracks : public testing::TestWithParam<std::tuple<Solid, float>>
+class Cracks : public testing::TestWithParam<std::tuple<CrackedSolid, float>>
 {
 protected:
 	CrackCase make( Skinning kind = Skinning::NearbyNodes ) const
@@ -191,7 +191,7 @@ TEST_P( Cracks, AnyBreaksLeaveItClosed )
 	}
 }
 
-INSTANTIATE_TEST_SUITE_P( Solids, Cracks, testing::Combine( testing::ValuesIn( solids() ), testing::Values( 0.0f, 0.3f ) ),
+INSTANTIATE_TEST_SUITE_P( Solids, Cracks, testing::Combine( testing::ValuesIn( crackedSolids() ), testing::Values( 0.0f, 0.3f ) ),
 	[]( const auto& it ) { return std::string( std::get<0>( it.param ).name ) + ( std::get<1>( it.param ) > 0.0f ? "Noisy" : "Flat" ); } );
 
 /// A piece of a box broken along a plane: every edge of its surface is used once each way.

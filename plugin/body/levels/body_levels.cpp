@@ -2,6 +2,7 @@
 
 #include "body/body.h"
 #include "body/levels/levels.h"
+#include "lattice/assert_valid.h"
 
 #include "matching/clusters/cluster_matcher.h"
 #include "matching/step/lattice_matcher.h"
@@ -135,6 +136,7 @@ void Body::applyLevels( TaskRunner* tasks )
 		addEnergyDebt( m_levels->lastChange().energy );
 	}
 	keepFiniteState();
+	assertValid( *this );
 }
 
 bool Body::adaptLevels( float h )
@@ -151,6 +153,7 @@ void Body::changeLevels( const std::vector<std::uint32_t>& split, const std::vec
 {
 	m_levels->change( m_nodes, *m_levelMatcher, m_material, split, merge );
 	keepFiniteState();
+	assertValid( *this );
 }
 
 void Body::requestSplit( int node )

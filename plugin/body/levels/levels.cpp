@@ -212,6 +212,12 @@ std::vector<std::uint32_t> Levels::unchangedRows( const RegionMatrix& old, const
 	return before;
 }
 
+Status Levels::validate() const
+{
+	Status status = pliant::validate( octree(), *m_lattice );
+	return status.ok() ? pliant::validate( m_cut, octree() ) : status;
+}
+
 std::size_t Levels::bytes() const
 {
 	const std::size_t cut = ( m_cut.node.size() + m_cut.slotOfCell.size() ) * sizeof( std::uint32_t );

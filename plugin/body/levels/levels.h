@@ -131,6 +131,8 @@ public:
 	void change( NodeState& nodes, LatticeMatcher& matcher, const Material& material, const std::vector<std::uint32_t>& split,
 		const std::vector<std::uint32_t>& merge, TaskRunner* tasks = nullptr, bool measuresEnergy = false );
 
+	/// Checks octree and cut; the message names the first violation.
+	Status validate() const;
 	std::size_t bytes() const;
 
 private:

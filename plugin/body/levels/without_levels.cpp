@@ -40,6 +40,11 @@ double Body::joules( const LevelEnergy&, float, float ) const
 	return 0.0;
 }
 
+Status Levels::validate() const
+{
+	return {};
+}
+
 std::size_t Levels::bytes() const
 {
 	return m_lattice && m_stiffness ? sizeof( Levels ) : 0;

@@ -14,8 +14,6 @@ namespace pliant {
 
 namespace {
 
-constexpr std::array<std::uint8_t, 3> kBlocked = { kBlockedX, kBlockedY, kBlockedZ };
-
 using Rows = NeighbourRows;
 using Pair = CellPair;
 

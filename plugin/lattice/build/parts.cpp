@@ -14,7 +14,6 @@ namespace pliant {
 
 namespace {
 
-constexpr std::array<std::uint8_t, 3> kBlocked = { kBlockedX, kBlockedY, kBlockedZ };
 constexpr std::uint8_t kSolid = kInside | kSliver;
 
 std::vector<Eigen::Vector3i> makeDiagonalSteps()

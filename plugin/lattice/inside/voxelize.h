@@ -6,6 +6,7 @@
 #include "lattice/inside/grid.h"
 #include "lattice/inside/rows.h"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -20,6 +21,9 @@ enum SampleFlag : std::uint8_t
 	kBlockedZ = 8,
 	kSliver = 16 ///< outside, but material thinner than the sample spacing passes close by
 };
+
+/// By axis.
+constexpr std::array<std::uint8_t, 3> kBlocked = { kBlockedX, kBlockedY, kBlockedZ };
 
 /// Material that contains at most one sample, found where a row enters and leaves it.
 struct Sliver

@@ -10,8 +10,6 @@ namespace pliant {
 
 namespace {
 
-constexpr std::uint32_t kNone = CellComplex::kNone;
-
 /// Traces whose normals differ by less than the angle of this cosine belong to one surface.
 constexpr float kSameSurface = 0.7f;
 
@@ -33,7 +31,7 @@ constexpr int kRow[6] = { 0, 1, 2, 1, 0, 0 }, kColumn[6] = { 0, 1, 2, 2, 2, 1 };
 } // namespace
 
 BladePath::BladePath( std::shared_ptr<const CellComplex> complex ) :
-	m_complex( std::move( complex ) ), m_start( m_complex->cellCount(), kNone ),
+	m_complex( std::move( complex ) ), m_start( m_complex->cellCount(), CellComplex::kNone ),
 	m_outward( m_complex->pointCount(), std::array<float, 6>{} )
 {
 	std::vector<float> whole( m_complex->pointCount(), 0.0f );
@@ -88,7 +86,7 @@ std::vector<BladePath::Near> BladePath::nearTo( std::uint32_t point, const Vec3&
 	const float softening = kNearTrace * m_complex->cellSize * kNearTrace * m_complex->cellSize;
 	for ( const std::uint32_t* cell = first; cell != last; ++cell )
 	{
-		for ( std::uint32_t entry = m_start[*cell]; entry != kNone; entry = m_next[entry / 2][entry % 2] )
+		for ( std::uint32_t entry = m_start[*cell]; entry != CellComplex::kNone; entry = m_next[entry / 2][entry % 2] )
 		{
 			const CutTrace& trace = m_trace[entry / 2];
 			const bool isBetween = std::binary_search( first, last, entry % 2 == 0 ? trace.link.b : trace.link.a );

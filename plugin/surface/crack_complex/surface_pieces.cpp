@@ -15,12 +15,10 @@ namespace pliant {
 
 namespace {
 
-constexpr std::uint32_t kNone = CellComplex::kNone;
-
 /// The input triangle of a triangle of the welded mesh.
 struct Source
 {
-	std::uint32_t triangle = kNone;
+	std::uint32_t triangle = CellComplex::kNone;
 	Triangle vertex{}; ///< of the input, by corner of the welded triangle
 	bool isReversed = false;
 };
@@ -36,7 +34,7 @@ class PieceDrawer
 public:
 	PieceDrawer( const PieceInput& input, const ClippedSurface& surface, const std::vector<std::uint32_t>& merged ) :
 		m_mesh( input.mesh ), m_welded( input.welded ), m_lattice( input.lattice ), m_faceEdges( input.faceEdges ), m_surface( surface ),
-		m_merged( merged ), m_firstVertex( surface.point.size(), kNone )
+		m_merged( merged ), m_firstVertex( surface.point.size(), CellComplex::kNone )
 	{
 		m_out.vertexPoint = m_welded.weldedVertex;
 	}
@@ -55,7 +53,7 @@ public:
 		}
 		for ( const auto& [cell, triangle] : m_loose )
 		{
-			order.emplace_back( cell, triangle + std::uint32_t( m_welded.triangle.size() ), kNone );
+			order.emplace_back( cell, triangle + std::uint32_t( m_welded.triangle.size() ), CellComplex::kNone );
 		}
 		std::sort( order.begin(), order.end() );
 		std::size_t last = 0;
@@ -246,10 +244,10 @@ private:
 		std::array<std::pair<std::uint32_t, float>, 3> used;
 		for ( std::size_t k = 0; k < 3; ++k )
 		{
-			used[k] = { fraction[k] > 0.0 ? m_source[triangle].vertex[k] : kNone, float( fraction[k] ) };
+			used[k] = { fraction[k] > 0.0 ? m_source[triangle].vertex[k] : CellComplex::kNone, float( fraction[k] ) };
 		}
 		std::sort( used.begin(), used.end() );
-		if ( used[1].first == kNone && m_surface.point[point].origin.isInput() )
+		if ( used[1].first == CellComplex::kNone && m_surface.point[point].origin.isInput() )
 		{
 			return used[0].first;
 		}
@@ -259,7 +257,7 @@ private:
 			origin.vertex[k] = used[k].first;
 			origin.weight[k] = used[k].second;
 		}
-		for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_nextVertex[v] )
+		for ( std::uint32_t v = m_firstVertex[point]; v != CellComplex::kNone; v = m_nextVertex[v] )
 		{
 			if ( m_out.addedOrigin[v].vertex == origin.vertex )
 			{

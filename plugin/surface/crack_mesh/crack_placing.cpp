@@ -11,7 +11,7 @@ namespace pliant {
 namespace {
 
 /// Prefetch distances for data scattered over the template, in vertices.
-constexpr int kFar = 24, kNear = 8;
+constexpr int kPlacingFar = 24, kPlacingNear = 8;
 
 } // namespace
 
@@ -136,8 +136,9 @@ void CrackGatherer::listPlaced( SkinBinding& to, TaskRunner* runner ) const
 		};
 		for ( int k = begin; k < end; ++k )
 		{
-			__builtin_prefetch( appearanceAt( k + kFar ) );
-			__builtin_prefetch( &m_sides->complex().addedOrigin[appearanceAt( k + kNear )->kind - m_sides->complex().inputVertices] );
+			__builtin_prefetch( appearanceAt( k + kPlacingFar ) );
+			__builtin_prefetch(
+				&m_sides->complex().addedOrigin[appearanceAt( k + kPlacingNear )->kind - m_sides->complex().inputVertices] );
 			to.placed[std::size_t( k )] = placedAt( m_placed[std::size_t( k )] );
 		}
 	} );

@@ -12,9 +12,9 @@ namespace pliant {
 
 namespace {
 
-/// kFar: prefetch distance for data scattered over the template, vertices; kBlock: vertices looked up together; kFewPatches: prefetch
+/// kLookUpFar: prefetch distance for data scattered over the template, vertices; kBlock: vertices looked up together; kFewPatches: prefetch
 /// distance, patches; kLine: bytes of a cache line.
-constexpr std::size_t kFar = 24, kBlock = 512, kFewPatches = 4, kLine = 64;
+constexpr std::size_t kLookUpFar = 24, kBlock = 512, kFewPatches = 4, kLine = 64;
 
 } // namespace
 
@@ -174,7 +174,7 @@ void CrackGatherer::append( std::array<std::uint32_t, 3>* triangles, std::size_t
 	runChunks( runner, ChunkedRange{ int( shared.size() ) }, [&]( int, int begin, int end ) {
 		for ( int k = begin; k < end; ++k )
 		{
-			__builtin_prefetch( &m_number[shared[std::min( std::size_t( k ) + kFar, shared.size() - 1 )].number] );
+			__builtin_prefetch( &m_number[shared[std::min( std::size_t( k ) + kLookUpFar, shared.size() - 1 )].number] );
 			const SharedRow& at = shared[std::size_t( k )];
 			if ( const std::uint32_t outer = m_number[at.number]; outer >= m_first )
 			{

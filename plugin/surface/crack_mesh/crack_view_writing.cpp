@@ -15,7 +15,7 @@ namespace pliant {
 namespace {
 
 /// Prefetch distances for data scattered over the template, vertices.
-constexpr std::size_t kFar = 24, kNear = 8;
+constexpr std::size_t kWritingFar = 24, kWritingNear = 8;
 
 } // namespace
 
@@ -106,8 +106,8 @@ void CrackGatherer::writeVertices( const Vec3& shift, CrackView& view, std::size
 	SkinBinding& to = view.ownBinding;
 	for ( std::size_t k = first; k < last; ++k )
 	{
-		__builtin_prefetch( &patches.appearance[m_made[std::min<std::size_t>( k + kFar, m_count - 1 )].vertex] );
-		m_sides->fetchPosition( patches.appearance[m_made[std::min<std::size_t>( k + kNear, m_count - 1 )].vertex].point );
+		__builtin_prefetch( &patches.appearance[m_made[std::min<std::size_t>( k + kWritingFar, m_count - 1 )].vertex] );
+		m_sides->fetchPosition( patches.appearance[m_made[std::min<std::size_t>( k + kWritingNear, m_count - 1 )].vertex].point );
 		const Made& made = m_made[k];
 		const CrackPatches::Appearance& appearance = patches.appearance[made.vertex];
 		to.restPosition[k] = m_sides->positionOf( appearance.point ) - shift;
@@ -160,7 +160,7 @@ std::uint32_t CrackGatherer::takeCarriers( std::size_t first, std::size_t last )
 	std::uint32_t entries = 0;
 	for ( std::size_t k = first; k < last; ++k )
 	{
-		__builtin_prefetch( m_sides->carriersAt( m_row[std::min( k + kFar, m_row.size() - 1 )].side ) );
+		__builtin_prefetch( m_sides->carriersAt( m_row[std::min( k + kWritingFar, m_row.size() - 1 )].side ) );
 		m_row[k].carriers = m_sides->carriersOf( m_row[k].side );
 		entries += entriesOf( m_row[k].carriers );
 	}
@@ -175,8 +175,8 @@ void CrackGatherer::writeRows( SkinBinding& to, std::size_t first, std::size_t l
 	std::uint32_t vertex = first == 0 ? 0 : m_row[first - 1].vertex + 1;
 	for ( std::size_t k = first; k < last; ++k )
 	{
-		__builtin_prefetch( &complex.bindStart[pointOf( k + kFar )] );
-		const std::uint32_t next = complex.bindStart[pointOf( k + kNear )];
+		__builtin_prefetch( &complex.bindStart[pointOf( k + kWritingFar )] );
+		const std::uint32_t next = complex.bindStart[pointOf( k + kWritingNear )];
 		__builtin_prefetch( complex.bindCell.data() + next );
 		__builtin_prefetch( complex.bindWeight.data() + next );
 		const Row& row = m_row[k];

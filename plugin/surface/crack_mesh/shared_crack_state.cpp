@@ -1,5 +1,7 @@
 #include "surface/crack_mesh/shared_crack_state.h"
 
+#include "lattice/assert_valid.h"
+
 #include <algorithm>
 
 namespace pliant {
@@ -89,6 +91,11 @@ void SharedCrackState::processBreaks( bool isWhole, TaskRunner* runner )
 	{
 		m_whole->updateBinding();
 		updateTexture();
+		assertValid( *m_whole );
+	}
+	else
+	{
+		assertValid( *m_sides );
 	}
 }
 

@@ -16,26 +16,26 @@ constexpr double kNodeFraction = 1.0 / 3.0;
 constexpr double kLine = 1e-4;
 
 /// Groups of four vertices per task.
-constexpr int kChunk = 2048;
+constexpr int kGroupChunk = 2048;
 
 /// Vector extension of all supported compilers, for unaligned memory.
-using F4 = float __attribute__( ( vector_size( 16 ), aligned( 4 ), may_alias ) );
+using Unaligned4 = float __attribute__( ( vector_size( 16 ), aligned( 4 ), may_alias ) );
 
-F4 load4( const float* p )
+Unaligned4 loadUnaligned4( const float* p )
 {
-	return *reinterpret_cast<const F4*>( p );
+	return *reinterpret_cast<const Unaligned4*>( p );
 }
 
-void store4( float* p, F4 a )
+void storeUnaligned4( float* p, Unaligned4 a )
 {
-	*reinterpret_cast<F4*>( p ) = a;
+	*reinterpret_cast<Unaligned4*>( p ) = a;
 }
 
 /// R p + t of four consecutive vertices, as three times four numbers: x0 y0 z0 x1 | y1 z1 x2 y2 | z2 x3 y3 z3. Each number is multiplied by
 /// its row's diagonal entry, and the next two in the cycle x y z x by the other entries.
 struct Turn
 {
-	F4 own[3], next[3], last[3], shift[3];
+	Unaligned4 own[3], next[3], last[3], shift[3];
 
 	Turn( const Eigen::Matrix3f& r, const Eigen::Vector3f& t )
 	{
@@ -51,14 +51,14 @@ struct Turn
 
 	void four( const float* from, float* to ) const
 	{
-		const F4 a = load4( from ), b = load4( from + 4 ), c = load4( from + 8 );
-		const F4 na = __builtin_shufflevector( a, b, 1, 2, 0, 4 ), la = __builtin_shufflevector( a, b, 2, 0, 1, 5 );
-		const F4 nb = __builtin_shufflevector( __builtin_shufflevector( a, b, 3, 5, 7, -1 ), c, 1, 0, 2, 4 );
-		const F4 lb = __builtin_shufflevector( __builtin_shufflevector( a, b, 3, 4, 6, -1 ), c, 0, 1, 4, 2 );
-		const F4 nc = __builtin_shufflevector( b, c, 2, 6, 7, 5 ), lc = __builtin_shufflevector( b, c, 3, 7, 5, 6 );
-		store4( to, ( ( own[0] * a + next[0] * na ) + last[0] * la ) + shift[0] );
-		store4( to + 4, ( ( own[1] * b + next[1] * nb ) + last[1] * lb ) + shift[1] );
-		store4( to + 8, ( ( own[2] * c + next[2] * nc ) + last[2] * lc ) + shift[2] );
+		const Unaligned4 a = loadUnaligned4( from ), b = loadUnaligned4( from + 4 ), c = loadUnaligned4( from + 8 );
+		const Unaligned4 na = __builtin_shufflevector( a, b, 1, 2, 0, 4 ), la = __builtin_shufflevector( a, b, 2, 0, 1, 5 );
+		const Unaligned4 nb = __builtin_shufflevector( __builtin_shufflevector( a, b, 3, 5, 7, -1 ), c, 1, 0, 2, 4 );
+		const Unaligned4 lb = __builtin_shufflevector( __builtin_shufflevector( a, b, 3, 4, 6, -1 ), c, 0, 1, 4, 2 );
+		const Unaligned4 nc = __builtin_shufflevector( b, c, 2, 6, 7, 5 ), lc = __builtin_shufflevector( b, c, 3, 7, 5, 6 );
+		storeUnaligned4( to, ( ( own[0] * a + next[0] * na ) + last[0] * la ) + shift[0] );
+		storeUnaligned4( to + 4, ( ( own[1] * b + next[1] * nb ) + last[1] * lb ) + shift[1] );
+		storeUnaligned4( to + 8, ( ( own[2] * c + next[2] * nc ) + last[2] * lc ) + shift[2] );
 	}
 };
 
@@ -209,11 +209,11 @@ void RigidSkin::turn( const std::vector<float>& positions, const std::vector<flo
 	normalsNow.resize( normals.size() );
 	const int groups = int( ( positions.size() + 11 ) / 12 );
 	auto task = [&]( int chunk ) {
-		const int first = chunk * kChunk, last = std::min( groups, first + kChunk );
+		const int first = chunk * kGroupChunk, last = std::min( groups, first + kGroupChunk );
 		turnGroups( position, positions, positionsNow, first, last );
 		turnGroups( direction, normals, normalsNow, first, last );
 	};
-	runTasks( runner, ( groups + kChunk - 1 ) / kChunk, task );
+	runTasks( runner, ( groups + kGroupChunk - 1 ) / kGroupChunk, task );
 }
 
 } // namespace pliant

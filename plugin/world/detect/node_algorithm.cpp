@@ -59,7 +59,7 @@ NodeAlgorithm::~NodeAlgorithm()
 void NodeAlgorithm::processCollision(
 	const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1, const btDispatcherInfo& info, btManifoldResult* )
 {
-	m_contacts->process( *body0, *body1, double( info.m_timeStep ) );
+	m_contacts->meet( *body0, *body1, double( info.m_timeStep ) );
 }
 
 void NodeAlgorithm::getAllContactManifolds( btManifoldArray& manifolds )

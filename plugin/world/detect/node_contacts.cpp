@@ -18,6 +18,8 @@ namespace {
 /// Above the key of any contact.
 constexpr std::uint64_t kAllKeys = ~std::uint64_t( 0 );
 
+constexpr std::size_t kNotListed = ~std::size_t( 0 );
+
 /// The soft body itself only: Bullet handles contact proxies that meet a compound, and bodies in their rigid state.
 SoftBody* softOf( const btCollisionObjectWrapper* wrapper )
 {
@@ -28,16 +30,31 @@ SoftBody* softOf( const btCollisionObjectWrapper* wrapper )
 } // namespace
 
 PairContacts::PairContacts( btDispatcher& dispatcher, ContactProxyPool& pool, PairScratch& scratch ) :
-	m_dispatcher( dispatcher ), m_pool( pool ), m_scratch( scratch ), m_position( scratch.all.size() )
+	m_dispatcher( dispatcher ), m_pool( pool ), m_scratch( scratch ), m_position( kNotListed )
+{}
+
+// Not in the constructor, which several threads may call at a time.
+void PairContacts::enlist()
 {
-	scratch.all.push_back( this );
+	if ( m_position == kNotListed )
+	{
+		m_position = m_scratch.all.size();
+		m_scratch.all.push_back( this );
+	}
 }
 
 PairContacts::~PairContacts()
 {
-	m_scratch.all[m_position] = m_scratch.all.back();
-	m_scratch.all[m_position]->m_position = m_position;
-	m_scratch.all.pop_back();
+	if ( m_position != kNotListed )
+	{
+		m_scratch.all[m_position] = m_scratch.all.back();
+		m_scratch.all[m_position]->m_position = m_position;
+		m_scratch.all.pop_back();
+	}
+	if ( m_postponed[0] )
+	{
+		std::replace( m_scratch.postponed.begin(), m_scratch.postponed.end(), this, static_cast<PairContacts*>( nullptr ) );
+	}
 	m_scratch.last = m_scratch.last == this ? nullptr : m_scratch.last;
 	if ( m_scratch.matching == this ) // a callback of the game has removed one of the two
 	{
@@ -110,6 +127,7 @@ void PairContacts::collectManifolds( btManifoldArray& manifolds ) const
 
 void PairContacts::process( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step )
 {
+	enlist();
 	SoftBody* const soft0 = softOf( &body0 );
 	SoftBody* const soft1 = softOf( &body1 );
 	m_phase = m_pool.phase();
@@ -141,6 +159,7 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 
 void PairContacts::processSelf( SoftBody& soft, SelfSearch& search, double step )
 {
+	enlist();
 	if ( !followNodes( &soft, nullptr ) )
 	{
 		return;

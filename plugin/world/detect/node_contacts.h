@@ -10,6 +10,7 @@
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 
 #include <cstdint>
+#include <mutex>
 #include <vector>
 
 class btManifoldResult;
@@ -36,6 +37,14 @@ struct PairScratch
 	PairContacts* matching = nullptr; ///< whose contacts are being matched; null where a callback of the game has destroyed it
 	std::size_t old = 0;              ///< number of its contacts already carried over into `contacts`, or dropped
 	std::vector<PairContacts*> all;
+	/// A dispatcher may call the algorithms of its pairs on several threads at a time (btCollisionDispatcherMt). Those only note that they
+	/// were called; the pairs are processed afterwards.
+	bool postponesAll = false; ///< in a btDiscreteDynamicsWorldMt, however many threads it has: the order must not depend on them
+	std::vector<PairContacts*> postponed;
+	std::mutex postponedMutex;
+
+	/// Processes the postponed pairs in the order of their objects.
+	void processPostponed();
 };
 
 /// All contacts of one pair of objects, in the order of their keys.
@@ -47,7 +56,12 @@ public:
 	PairContacts( btDispatcher& dispatcher, ContactProxyPool& pool, PairScratch& scratch );
 	~PairContacts();
 
-	void process( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step );
+	/// Called by the dispatcher. Processes the pair, at once or when all pairs were called (PairScratch::processPostponed).
+	void meet( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step );
+	/// Processes the pair if it was postponed and still exists.
+	void processPostponed();
+	/// Orders postponed pairs by their objects, whatever threads have met them.
+	static bool areInOrder( const PairContacts* a, const PairContacts* b );
 	/// Finds a body's contacts with itself.
 	void processSelf( SoftBody& soft, SelfSearch& search, double step );
 	/// Number of contacts.
@@ -69,6 +83,8 @@ private:
 		bool softIsFirst;
 	};
 
+	void process( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step );
+	void enlist();
 	bool followNodes( const SoftBody* soft0, const SoftBody* soft1 );
 	void startMatching();
 	void endMatching();
@@ -90,7 +106,10 @@ private:
 	const void* m_nextPair = nullptr; ///< processed after it in the last phase: prefetched but never dereferenced, as it may be gone
 	unsigned m_numbering = 0;         ///< of both bodies, when their nodes were last followed
 	unsigned m_phase = 0;             ///< collision phase in which it was last processed
-	std::size_t m_position;           ///< index in PairScratch::all
+	std::size_t m_position;           ///< index in PairScratch::all; kNotListed before it was first processed
+	/// What the dispatcher called it with, until it is processed; null where it is not postponed.
+	const btCollisionObject* m_postponed[2] = { nullptr, nullptr };
+	double m_postponedStep = 0.0; ///< s
 };
 
 } // namespace pliant

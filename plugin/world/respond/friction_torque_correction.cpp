@@ -14,7 +14,7 @@ namespace pliant {
 namespace {
 
 /// Impulse on the first body in the last solve, N s.
-Vec3d impulseOf( const btManifoldPoint& point )
+Vec3d appliedImpulse( const btManifoldPoint& point )
 {
 	return toVec3d( point.m_normalWorldOnB * point.m_appliedImpulse + point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
 		point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2 );
@@ -136,7 +136,7 @@ void FrictionTorqueCorrection::sum( btDispatcher& dispatcher )
 		Vec3d impulse = Vec3d::Zero();
 		for ( int k = 0; k < manifold.getNumContacts(); ++k )
 		{
-			impulse += impulseOf( manifold.getContactPoint( k ) );
+			impulse += appliedImpulse( manifold.getContactPoint( k ) );
 		}
 		const Vec3d correction = -toVec3d( apart ).cross( impulse ) / ( r0 + r1 );
 		turnOf( *first ).impulse += r0 * correction;

@@ -44,6 +44,7 @@ WorldStep::WorldStep( BulletStages& stages, const BulletStages::Parts& parts ) :
 {
 	m_parts.islandManager = parts.hasIslandManagerMt ? replaced<btSimulationIslandManagerMt>( parts.islandManager, bodies, frictionTorque )
 													 : replaced<btSimulationIslandManager>( parts.islandManager, bodies, frictionTorque );
+	bodies.pairScratch.postponesAll = parts.hasIslandManagerMt;
 }
 
 // Deletes the fragments that the game has not released, and removes all other bodies, which the game owns, with their contacts while the

@@ -19,6 +19,7 @@
 #include "world/step/world_step.h"
 
 #include "world/bodies/soft_body_impl.h"
+#include "world/detect/manifold_order.h"
 #include "world/stopwatch.h"
 
 #include <LinearMath/btQuickprof.h>
@@ -223,7 +224,7 @@ void WorldStep::detect()
 {
 	if ( !m_isStepping )
 	{
-		m_stages.baseDetect();
+		detectWhole();
 		bodies.releaseRefusedPairs();
 		return;
 	}
@@ -231,15 +232,25 @@ void WorldStep::detect()
 	if ( bodies.group.isSplit() )
 	{
 		detectPass();
+		bodies.pairScratch.processPostponed();
 	}
 	else
 	{
-		m_stages.baseDetect();
+		detectWhole();
 	}
 	const btScalar h = m_parts.world.getDispatchInfo().m_timeStep;
 	bodies.collideWithThemselves( h );
 	bodies.endCollision( h );
 	bodies.releaseRefusedPairs(); // before manifolds are listed
+}
+
+// A parallel dispatcher's threads make manifolds in any order, and leave the pairs of soft bodies.
+void WorldStep::detectWhole()
+{
+	noteManifolds( *m_parts.dispatcher );
+	m_stages.baseDetect();
+	orderNewManifolds( *m_parts.dispatcher, *m_parts.world.getPairCache() );
+	bodies.pairScratch.processPostponed();
 }
 
 void WorldStep::findIslands()

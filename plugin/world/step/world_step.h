@@ -60,6 +60,7 @@ private:
 	void showPass();
 	void carryImpulses( btScalar h );
 	void updateBoxes();
+	void detectWhole();
 	void detectPass();
 	void findPassIslands();
 	/// Whether Bullet is queried between substeps for the shapes of soft bodies: by actions (a vehicle's wheels cast rays) or by continuous

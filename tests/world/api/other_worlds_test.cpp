@@ -71,7 +71,7 @@ using Bases = testing::Types<btDiscreteDynamicsWorld, btDiscreteDynamicsWorldMt,
 	test::CountingWorld>;
 TYPED_TEST_SUITE( OtherWorlds, Bases );
 
-Material material( Elasticity elasticity )
+Material materialOf( Elasticity elasticity )
 {
 	Material made;
 	made.youngsModulus = 1e6f;
@@ -86,14 +86,14 @@ TYPED_TEST( OtherWorlds, CubeCarriesABoxAsInBulletsDiscreteWorld )
 		btScalar height[2];
 		{
 			Stage<btDiscreteDynamicsWorld> plain;
-			plain.addCube( at( 0, btScalar( 0.55 ), 0 ), material( elasticity ) );
+			plain.addCube( at( 0, btScalar( 0.55 ), 0 ), materialOf( elasticity ) );
 			const btRigidBody* const box = plain.addBox(
 				500, btVector3( btScalar( 0.4 ), btScalar( 0.1 ), btScalar( 0.4 ) ), at( 0, btScalar( 1.2 ), 0 ) );
 			plain.run( 240 );
 			height[0] = box->getWorldTransform().getOrigin().y();
 		}
 		Stage<TypeParam> stage;
-		SoftBody* const cube = stage.addCube( at( 0, btScalar( 0.55 ), 0 ), material( elasticity ) );
+		SoftBody* const cube = stage.addCube( at( 0, btScalar( 0.55 ), 0 ), materialOf( elasticity ) );
 		const btRigidBody* const box = stage.addBox(
 			500, btVector3( btScalar( 0.4 ), btScalar( 0.1 ), btScalar( 0.4 ) ), at( 0, btScalar( 1.2 ), 0 ) );
 		stage.run( 240 );
@@ -118,7 +118,7 @@ TYPED_TEST( OtherWorlds, BystandersKeepTheirBitsBesideAnImplicitCube )
 		}
 		if ( with == 1 )
 		{
-			stage.addCube( at( 20, 2, 0 ), material( Elasticity::Implicit ) );
+			stage.addCube( at( 20, 2, 0 ), materialOf( Elasticity::Implicit ) );
 		}
 		for ( int frame = 0; frame < 120; ++frame )
 		{
@@ -143,7 +143,7 @@ TYPED_TEST( OtherWorlds, FragmentsComeOffAndLeaveWithTheWorld )
 	brittle.rule = BreakRule::Distance;
 	brittle.breakStrain = 0.02f;
 	Stage<TypeParam> stage;
-	SoftBody* const cube = stage.addCube( at( 0, 3, 0 ), material( Elasticity::Explicit ), brittle );
+	SoftBody* const cube = stage.addCube( at( 0, 3, 0 ), materialOf( Elasticity::Explicit ), brittle );
 	EXPECT_TRUE( cube->setLinearVelocity( btVector3( 0, -12, 0 ) ).ok() );
 	stage.run( 60 );
 	EXPECT_GT( stage.world->fragmentCount(), 0 );
@@ -167,7 +167,7 @@ TYPED_TEST( OtherWorlds, ActionsRunOnceAGameStep )
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
 		Stage<TypeParam> stage;
-		stage.addCube( at( 0, 2, 0 ), material( elasticity ) );
+		stage.addCube( at( 0, 2, 0 ), materialOf( elasticity ) );
 		stage.world->addAction( &counter );
 		stage.world->setInternalTickCallback(
 			[]( btDynamicsWorld* world, btScalar ) { ++*static_cast<int*>( world->getWorldUserInfo() ); }, &ticks );
@@ -182,7 +182,7 @@ TYPED_TEST( OtherWorlds, ActionsRunOnceAGameStep )
 TEST( OtherWorlds, AGamesOverridesAreCalledOnceAPass )
 {
 	Stage<test::CountingWorld> stage;
-	stage.addCube( at( 0, 2, 0 ), material( Elasticity::Implicit ) );
+	stage.addCube( at( 0, 2, 0 ), materialOf( Elasticity::Implicit ) );
 	stage.run( 10 );
 	EXPECT_EQ( stage.world->integrations, 10 );
 }
@@ -203,7 +203,7 @@ TEST( OtherWorlds, BulletsClothKeepsItsBitsBesideACube )
 		stage.world->addSoftBody( cloth );
 		if ( with == 1 )
 		{
-			stage.addCube( at( -5, 2, 0 ), material( Elasticity::Implicit ) );
+			stage.addCube( at( -5, 2, 0 ), materialOf( Elasticity::Implicit ) );
 			EXPECT_EQ( stage.world->softBodyCount(), 1 );
 			EXPECT_EQ( stage.world->getSoftBodyArray().size(), 1 );
 		}
@@ -237,7 +237,7 @@ TEST( OtherWorlds, AMultiBodyFallsAsFastBesideAnExplicitCube )
 		Stage<btMultiBodyDynamicsWorld> stage;
 		if ( with == 1 )
 		{
-			stage.addCube( at( 20, 5, 0 ), material( Elasticity::Explicit ) );
+			stage.addCube( at( 20, 5, 0 ), materialOf( Elasticity::Explicit ) );
 		}
 		btBoxShape shape( btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ) );
 		btVector3 inertia;
@@ -275,7 +275,7 @@ TEST( OtherWorlds, BulletsClothFallsAsFastBesideAnExplicitCube )
 		stage.world->addSoftBody( cloth );
 		if ( with == 1 )
 		{
-			stage.addCube( at( 20, 5, 0 ), material( Elasticity::Explicit ) );
+			stage.addCube( at( 20, 5, 0 ), materialOf( Elasticity::Explicit ) );
 		}
 		stage.run( 45 );
 		height[with] = cloth->m_nodes[12].m_x.y();
@@ -289,7 +289,7 @@ TEST( OtherWorlds, BulletsClothFallsAsFastBesideAnExplicitCube )
 void restMultiBody( Elasticity elasticity )
 {
 	Stage<btMultiBodyDynamicsWorld> stage;
-	SoftBody* const cube = stage.addCube( at( 0, btScalar( 0.5 ), 0 ), material( elasticity ) );
+	SoftBody* const cube = stage.addCube( at( 0, btScalar( 0.5 ), 0 ), materialOf( elasticity ) );
 	btBoxShape shape( btVector3( btScalar( 0.3 ), btScalar( 0.1 ), btScalar( 0.3 ) ) );
 	btVector3 inertia;
 	shape.calculateLocalInertia( 20, inertia );
@@ -325,7 +325,7 @@ void drapeChain( Elasticity elasticity )
 {
 	constexpr int kHinges = 5;
 	Stage<btMultiBodyDynamicsWorld> stage;
-	SoftBody* const cube = stage.addCube( at( 0, btScalar( 0.5 ), 0 ), material( elasticity ) );
+	SoftBody* const cube = stage.addCube( at( 0, btScalar( 0.5 ), 0 ), materialOf( elasticity ) );
 	btBoxShape shape( btVector3( btScalar( 0.18 ), btScalar( 0.06 ), btScalar( 0.1 ) ) );
 	btVector3 inertia;
 	shape.calculateLocalInertia( 2, inertia );
@@ -390,7 +390,7 @@ TEST( OtherWorlds, ALinkCarriesACube )
 		link.setWorldTransform( at( btScalar( 0.5 ), 6, 0 ) );
 		arm.getLink( 0 ).m_collider = &link;
 		stage.world->addCollisionObject( &link, btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter );
-		SoftBody* const cube = stage.addCube( at( btScalar( 1.5 ), btScalar( 5.4 ), 0 ), material( elasticity ) );
+		SoftBody* const cube = stage.addCube( at( btScalar( 1.5 ), btScalar( 5.4 ), 0 ), materialOf( elasticity ) );
 		const btVector3 corner( btScalar( 1.1 ), btScalar( 5.8 ), 0 );
 		const Result<int> made = stage.world->attach( *cube, corner, link );
 		ASSERT_TRUE( made.ok() ) << made.status.sentence;

@@ -60,7 +60,7 @@ TEST( Resting, WakesWhenARigidBodyHitsIt )
 }
 
 /// Returns the acceleration down a slope of 20 degrees over the third and fourth second, m/s^2.
-double slide( btScalar friction, int substeps = 4 )
+double slideAtRest( btScalar friction, int substeps = 4 )
 {
 	TestWorld t;
 	const double slope = 20.0 / 180.0 * SIMD_PI;
@@ -80,9 +80,9 @@ TEST( Resting, SlidesLikeARigidBoxAndHoldsAtTheFrictionAngle )
 {
 	// a = g ( sin 20 - mu cos 20 ); tan 18 = 0.325, tan 22 = 0.404: within two degrees of the angle it slides below and holds above.
 	const double slope = 20.0 / 180.0 * SIMD_PI;
-	EXPECT_NEAR( slide( btScalar( 0.25 ) ), 9.81 * ( std::sin( slope ) - 0.25 * std::cos( slope ) ), 0.02 );
-	EXPECT_NEAR( slide( btScalar( 0.325 ) ), 9.81 * ( std::sin( slope ) - 0.325 * std::cos( slope ) ), 0.02 );
-	EXPECT_NEAR( slide( btScalar( 0.404 ) ), 0.0, 0.002 );
+	EXPECT_NEAR( slideAtRest( btScalar( 0.25 ) ), 9.81 * ( std::sin( slope ) - 0.25 * std::cos( slope ) ), 0.02 );
+	EXPECT_NEAR( slideAtRest( btScalar( 0.325 ) ), 9.81 * ( std::sin( slope ) - 0.325 * std::cos( slope ) ), 0.02 );
+	EXPECT_NEAR( slideAtRest( btScalar( 0.404 ) ), 0.0, 0.002 );
 }
 
 TEST( Resting, TwoStackedCubesStandAndSleep )

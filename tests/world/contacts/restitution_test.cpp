@@ -17,7 +17,7 @@ using test::block;
 using test::StrainEnergy;
 using test::TestWorld;
 
-struct Surface
+struct BouncingSurface
 {
 	double friction, restitution; ///< combined values
 };
@@ -28,7 +28,8 @@ constexpr int kShotKinds = 4, kSeeds = 16;
 class Impact
 {
 public:
-	Impact( unsigned seed, Elasticity elasticity, const Surface& surface ) : m_random( seed * 2654435761u + 11u ), m_surface( surface )
+	Impact( unsigned seed, Elasticity elasticity, const BouncingSurface& surface ) :
+		m_random( seed * 2654435761u + 11u ), m_surface( surface )
 	{
 		m_world.world.setGravity( btVector3( 0, 0, 0 ) );
 		m_material = test::stiff( float( std::pow( 10.0, 4.0 + 1.5 * fraction() ) ) );
@@ -139,7 +140,7 @@ private:
 	}
 
 	std::mt19937 m_random;
-	Surface m_surface;
+	BouncingSurface m_surface;
 	TestWorld m_world;
 	Material m_material;
 	std::vector<SoftBody*> m_soft;
@@ -158,7 +159,7 @@ void impacts( Elasticity elasticity )
 			int hits = 0;
 			for ( int seed = 0; seed < kSeeds; ++seed )
 			{
-				Impact impact( unsigned( seed ), elasticity, Surface{ friction, restitution } );
+				Impact impact( unsigned( seed ), elasticity, BouncingSurface{ friction, restitution } );
 				impact.run( 40 );
 				EXPECT_LT( impact.most, 1.001 ) << seed << " friction " << friction << " restitution " << restitution;
 				EXPECT_LT( impact.rise, 0.01 ) << seed << " friction " << friction << " restitution " << restitution;

@@ -17,16 +17,16 @@ using test::TestWorld;
 
 const btVector3 kAlong( 1, 0, 0 ), kOrigin( 0, 0, 0 );
 
-struct Totals
+struct CutTotals
 {
 	double mass = 0.0;
 	btVector3 momentum = kOrigin, spin = kOrigin; ///< about the world's origin
 	int cells = 0;
 };
 
-Totals totals( SoftBodyWorld& world )
+CutTotals cutTotals( SoftBodyWorld& world )
 {
-	Totals sum;
+	CutTotals sum;
 	for ( int i = 0; i < world.softBodyCount(); ++i )
 	{
 		const SoftBody& body = *world.softBody( i );
@@ -55,7 +55,7 @@ Fracture smallOnes( SmallPieces policy, int cells )
 	return fracture;
 }
 
-// Uniform and with levels, tumbling, in one substep: the totals of the halves equal those of the whole.
+// Uniform and with levels, tumbling, in one substep: the cutTotals of the halves equal those of the whole.
 TEST( Cutting, ABarBecomesTwoBodiesAndKeepsItsTotals )
 {
 	for ( const int coarse : { 0, 2 } )
@@ -65,7 +65,7 @@ TEST( Cutting, ABarBecomesTwoBodiesAndKeepsItsTotals )
 		SoftBody* soft = test.addSoft( block( 12, 4, 4, 0.1f ), at( 0, 1, 0 ), stiff( 1e5f ), levels( coarse ) );
 		EXPECT_TRUE( soft->setVelocities( btVector3( 1, 2, 3 ), btVector3( 0, 2, 1 ) ).ok() );
 		test.run( 5 );
-		const Totals before = totals( test.world );
+		const CutTotals before = cutTotals( test.world );
 		const int cut = soft->cutPlane( soft->massCentre(), soft->bestFitTransform().getBasis() * kAlong );
 		EXPECT_EQ( cut, 100 );                                                                              // ( 3 * 4 - 2 )^2
 		EXPECT_EQ( soft->cutPlane( soft->massCentre(), soft->bestFitTransform().getBasis() * kAlong ), 0 ); // already cut
@@ -75,7 +75,7 @@ TEST( Cutting, ABarBecomesTwoBodiesAndKeepsItsTotals )
 		ASSERT_EQ( test.world.fractureEvents().size(), 1u );
 		EXPECT_EQ( test.world.fractureEvents()[0].links, 100 );
 		EXPECT_NEAR( test.world.fractureEvents()[0].area, 0.16, 1e-6 );
-		const Totals after = totals( test.world );
+		const CutTotals after = cutTotals( test.world );
 		std::printf( "%d levels: momentum off by %.1e, spin by %.1e\n", coarse,
 			double( ( after.momentum - before.momentum ).length() / before.momentum.length() ),
 			double( ( after.spin - before.spin ).length() / before.spin.length() ) );
@@ -223,7 +223,7 @@ TEST( SmallPiecesPolicy, RemovedOnesAreNotMadeAndAreAccountedFor )
 		EXPECT_NEAR( event.removedMass, 32 * before / 192, 1e-6 * before );
 		EXPECT_EQ( event.fragments.size(), 1u );
 		EXPECT_EQ( test.world.stepReport().removedPieces, 1 );
-		const Totals after = totals( test.world );
+		const CutTotals after = cutTotals( test.world );
 		EXPECT_EQ( after.cells, 160 );
 		EXPECT_NEAR( ( after.mass + event.removedMass ) / before, 1.0, 1e-6 );
 		// The body itself remains, however small it is.
@@ -251,7 +251,7 @@ TEST( SmallPiecesPolicy, RigidOnesAreOneClusterAndKeepMomentum )
 		ASSERT_TRUE( soft->setFracture( settings ).ok() );
 		EXPECT_TRUE( soft->setVelocities( btVector3( 1, 2, 3 ), btVector3( 2, 2, 1 ) ).ok() );
 		test.run( 5 );
-		const Totals before = totals( test.world );
+		const CutTotals before = cutTotals( test.world );
 		const btTransform fit = soft->bestFitTransform();
 		EXPECT_GT( soft->cutPlane( fit * btVector3( btScalar( -0.3 ), 0, 0 ), fit.getBasis() * kAlong ), 0 );
 		test.run( 1 );
@@ -264,7 +264,7 @@ TEST( SmallPiecesPolicy, RigidOnesAreOneClusterAndKeepMomentum )
 		EXPECT_EQ( small->fracture().rule, BreakRule::Never );
 		EXPECT_EQ( soft->material().method, Method::Lattice );
 		EXPECT_EQ( soft->fracture().rule, BreakRule::Distance );
-		const Totals after = totals( test.world );
+		const CutTotals after = cutTotals( test.world );
 		EXPECT_NEAR( after.mass / before.mass, 1.0, 1e-6 );
 		EXPECT_LT( ( after.momentum - before.momentum ).length(), 2e-6 * before.momentum.length() );
 		EXPECT_LT( ( after.spin - before.spin ).length(), 2e-5 * before.spin.length() );
@@ -277,7 +277,7 @@ TEST( SmallPiecesPolicy, RigidOnesAreOneClusterAndKeepMomentum )
 			EXPECT_GT( small->cutPlane( small->massCentre(), now.getBasis() * btVector3( k % 3 == 0, k % 3 == 1, k % 3 == 2 ) ), 0 ) << k;
 			test.run( 2 );
 		}
-		EXPECT_EQ( totals( test.world ).cells, 192 );
+		EXPECT_EQ( cutTotals( test.world ).cells, 192 );
 		EXPECT_LE( small->cellCount(), 2 );
 		for ( int i = 0; i < test.world.softBodyCount(); ++i )
 		{

@@ -39,7 +39,7 @@ Layer layer( const SoftBody& cube, bool isTop )
 	return { sum.now / mass, sum.rest / mass };
 }
 
-struct Loaded
+struct LoadedLevels
 {
 	double strain = 0.0, theory = 0.0, tilt = 0.0, speed = 0.0, penetration = 0.0;
 	bool sleeps = false;
@@ -47,7 +47,7 @@ struct Loaded
 };
 
 /// A box `ratio` times as heavy rests on a cube of 216 kg; the modulus allows a compression of a tenth.
-Loaded load( double ratio, int cells, const Adaptivity& settings )
+LoadedLevels load( double ratio, int cells, const Adaptivity& settings )
 {
 	TestWorld t;
 	t.addPlane();
@@ -55,7 +55,7 @@ Loaded load( double ratio, int cells, const Adaptivity& settings )
 	SoftBody* cube = t.addSoft(
 		block( cells, cells, cells, 0.6f / float( cells ) ), at( 0, btScalar( 0.3 ), 0 ), implicit( float( modulus ) ), settings );
 	btRigidBody* box = t.addBox( btScalar( ratio * 216.0 ), btVector3( 0.3f, 0.3f, 0.3f ), at( 0, btScalar( 0.901 ), 0 ) );
-	Loaded loaded;
+	LoadedLevels loaded;
 	for ( int frame = 0; frame < 400; ++frame )
 	{
 		const bool isAwake = cube->isActive();
@@ -105,7 +105,7 @@ TEST( ImplicitLevels, CarryABoxOfAnyMassByTheoryAndSleep )
 	{
 		for ( const double ratio : { 1.0, 1000.0 } )
 		{
-			const Loaded loaded = load( ratio, kind.cells, kind.settings );
+			const LoadedLevels loaded = load( ratio, kind.cells, kind.settings );
 			std::printf(
 				"%s 1:%-4.0f strain %.4f of %.4f (%+.1f %%), tilt %.2f deg, penetration %.5f m, speed after 5 s %.1e m/s, %d to %d nodes\n",
 				kind.name, ratio, loaded.strain, loaded.theory, 100.0 * ( loaded.strain / loaded.theory - 1.0 ), loaded.tilt,
@@ -120,15 +120,15 @@ TEST( ImplicitLevels, CarryABoxOfAnyMassByTheoryAndSleep )
 	}
 }
 
-struct Sums
+struct LevelSums
 {
 	Vec3d momentum = Vec3d::Zero(), spin = Vec3d::Zero();
 	double energy = 0.0;
 };
 
-Sums sumsOf( const TestWorld& t )
+LevelSums levelSumsOf( const TestWorld& t )
 {
-	Sums sums;
+	LevelSums sums;
 	for ( int k = 0; k < t.world.softBodyCount(); ++k )
 	{
 		const NodeState& nodes = const_cast<SoftBodyWorld&>( t.world ).softBody( k )->impl().body->nodes();
@@ -165,17 +165,17 @@ TEST( ImplicitLevels, CollisionsThatSplitAndMergeNodesKeepMomentumAndAddNoEnergy
 		btRigidBody* box = t.addBox( 1000, btVector3( 0.2f, 0.2f, 0.2f ), at( -1, btScalar( 0.15 ), btScalar( 0.1 ) ) );
 		box->setLinearVelocity( btVector3( 4, 0, 0 ) );
 		box->setAngularVelocity( btVector3( 0, 1, 2 ) );
-		const Sums before = sumsOf( t );
+		const LevelSums before = levelSumsOf( t );
 		double most = 0.0;
 		int splits = 0, merges = 0;
 		for ( int frame = 0; frame < 180; ++frame )
 		{
 			t.run( 1 );
-			most = std::max( most, sumsOf( t ).energy );
+			most = std::max( most, levelSumsOf( t ).energy );
 			splits += t.world.stepReport().splits;
 			merges += t.world.stepReport().merges;
 		}
-		const Sums after = sumsOf( t );
+		const LevelSums after = levelSumsOf( t );
 		const double momentum = ( after.momentum - before.momentum ).norm() / before.momentum.norm(),
 					 spin = ( after.spin - before.spin ).norm() / before.spin.norm();
 		std::printf( "E %.0e: %d splits, %d merges, %d nodes left, momentum %.1e, spin %.1e, energy %.4f\n", double( youngsModulus ),
@@ -261,19 +261,19 @@ TEST( ImplicitLevels, ABodyThatBreaksInFreeFlightKeepsMomentumAndSpin )
 			block( 12, 4, 4, 0.1f ), at( 3, 2, 1 ), implicit( 1e6f ), hasLevels ? test::levels( 1 ) : Adaptivity{} );
 		ASSERT_TRUE( soft->setFracture( breaksAt( 0.02f ) ).ok() );
 		EXPECT_TRUE( soft->setVelocities( btVector3( 1, 2, 3 ), btVector3( 0, 20, 1 ) ).ok() );
-		const Sums before = sumsOf( t );
+		const LevelSums before = levelSumsOf( t );
 		double most = 0.0;
 		for ( int frame = 0; frame < 60; ++frame )
 		{
 			t.run( 1 );
-			most = std::max( most, sumsOf( t ).energy );
+			most = std::max( most, levelSumsOf( t ).energy );
 			for ( int k = 0; k < t.world.softBodyCount(); ++k )
 			{
 				EXPECT_TRUE( t.world.softBody( k )->stepsImplicitly() || t.world.softBody( k )->cellCount() == 1 );
 				EXPECT_TRUE( t.world.softBody( k )->isHealthy() );
 			}
 		}
-		const Sums after = sumsOf( t );
+		const LevelSums after = levelSumsOf( t );
 		const double momentum = ( after.momentum - before.momentum ).norm() / before.momentum.norm(),
 					 spin = ( after.spin - before.spin ).norm() / before.spin.norm();
 		std::printf(

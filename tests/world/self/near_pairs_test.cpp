@@ -11,7 +11,7 @@
 namespace pliant::test {
 namespace {
 
-constexpr float kCell = 0.05f; // m
+constexpr float kPairCell = 0.05f; // m
 
 std::vector<std::uint64_t> keysOf( const std::vector<NodeHit>& hits )
 {
@@ -39,8 +39,8 @@ void push( SoftBody& soft, std::mt19937& random )
 {
 	NodeState& nodes = soft.impl().body->nodes();
 	const auto any = [&random] { return float( random() % 1000 ) / 500.0f - 1.0f; };
-	const float at = 8.0f * kCell * any(), wide = 2.0f * kCell;
-	const Vec3 displacement = Vec3( any(), any(), any() ) * kCell;
+	const float at = 8.0f * kPairCell * any(), wide = 2.0f * kPairCell;
+	const Vec3 displacement = Vec3( any(), any(), any() ) * kPairCell;
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		if ( std::abs( nodes.x0.x[i] - at ) < wide && nodes.freedom[i] != 0.0f )
@@ -54,8 +54,8 @@ void push( SoftBody& soft, std::mt19937& random )
 void cut( SoftBody& soft, std::mt19937& random )
 {
 	const auto any = [&random] { return btScalar( random() % 1000 ) / btScalar( 500 ) - btScalar( 1 ); };
-	const btVector3 foot = btScalar( 8.0f * kCell ) * btVector3( any(), any() / 2, 0 ),
-					along = btScalar( 8.0f * kCell ) * btVector3( any(), any(), 0 ), edge( 0, 0, 1 );
+	const btVector3 foot = btScalar( 8.0f * kPairCell ) * btVector3( any(), any() / 2, 0 ),
+					along = btScalar( 8.0f * kPairCell ) * btVector3( any(), any(), 0 ), edge( 0, 0, 1 );
 	soft.cutSweep( foot - edge, foot + edge, foot + along - edge, foot + along + edge );
 }
 
@@ -66,7 +66,7 @@ TEST_P( NearPairsOf, ACutAndSplitBodyEqualThoseOfANewSearch )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
-	SoftBody* const soft = test.addSoft( block( 16, 8, 4, kCell ), at( 0, 0, 0 ), stiff( 2e4f ), levels( GetParam() ) );
+	SoftBody* const soft = test.addSoft( block( 16, 8, 4, kPairCell ), at( 0, 0, 0 ), stiff( 2e4f ), levels( GetParam() ) );
 	EXPECT_TRUE( soft->setSelfCollision( true ).ok() );
 	std::mt19937 random( 5 );
 	std::size_t found = 0;
@@ -103,7 +103,7 @@ TEST_P( NearPairsOf, TheSidesOfACutAreFound )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
-	SoftBody* const soft = test.addSoft( block( 16, 8, 4, kCell ), at( 0, 0, 0 ), stiff( 2e4f ), levels( GetParam() ) );
+	SoftBody* const soft = test.addSoft( block( 16, 8, 4, kPairCell ), at( 0, 0, 0 ), stiff( 2e4f ), levels( GetParam() ) );
 	soft->requestRefinement( btVector3( -1, -1, -1 ), btVector3( 1, 1, 1 ) );
 	EXPECT_TRUE( soft->setSelfCollision( true ).ok() );
 	test.run( 4 );
@@ -118,7 +118,7 @@ TEST_P( NearPairsOf, TheSidesOfACutAreFound )
 TEST( NearPairs, AreSearchedAgainOnlyWhereNodesHaveMoved )
 {
 	TestWorld test;
-	SoftBody* const soft = test.addSoft( block( 16, 8, 4, kCell ), at( 0, 0, 0 ), stiff( 2e4f ) );
+	SoftBody* const soft = test.addSoft( block( 16, 8, 4, kPairCell ), at( 0, 0, 0 ), stiff( 2e4f ) );
 	NearPairs pairs;
 	pairs.of( *soft, 0.0 );
 	const long long all = pairs.queryCount();
@@ -126,7 +126,7 @@ TEST( NearPairs, AreSearchedAgainOnlyWhereNodesHaveMoved )
 	NodeState& nodes = soft->impl().body->nodes();
 	for ( int i = 0; i < 5; ++i )
 	{
-		nodes.x.set( i, nodes.x.get( i ) + Vec3( 0.0f, kCell, 0.0f ) );
+		nodes.x.set( i, nodes.x.get( i ) + Vec3( 0.0f, kPairCell, 0.0f ) );
 	}
 	pairs.of( *soft, 0.0 );
 	EXPECT_EQ( pairs.queryCount(), all + 5 );
@@ -138,7 +138,7 @@ TEST( NearPairs, AreSearchedAgainOnlyWhereNodesHaveMoved )
 TEST( NearPairs, AreSearchedAgainOnlyWhereNodesWereSplit )
 {
 	TestWorld test;
-	SoftBody* const soft = test.addSoft( block( 48, 8, 4, kCell ), at( 0, 0, 0 ), stiff( 2e4f ), levels( 2 ) );
+	SoftBody* const soft = test.addSoft( block( 48, 8, 4, kPairCell ), at( 0, 0, 0 ), stiff( 2e4f ), levels( 2 ) );
 	const Levels& all = *soft->impl().body->levels();
 	changeLevels( *soft, coarseNodes( *soft, anyNode ), {} );
 	NearPairs pairs;
