@@ -333,11 +333,16 @@ void Body::inheritBreaking( const Breaking& from, const BodyPiece& piece )
 	{
 		m_breaking->planes = std::make_unique<PlaneCracks>( *from.planes ); // cracks stay in place
 	}
+	if ( from.shards )
+	{
+		const double fraction = double( piece.cellBefore.size() ) / double( from.shards->shards().size() );
+		m_breaking->shards = std::make_unique<ShardCracks>( *from.shards, piece.cellBefore, fraction );
+	}
 }
 
 LinkLimits Body::limitsOf( const Breaking& from, const BodyPiece& piece ) const
 {
-	const float strain = from.planes ? from.planes->candidateStrain() : breakStrain( from.settings, m_material );
+	const float strain = from.candidateStrain( breakStrain( from.settings, m_material ) );
 	return inheritLimits( from.limits, *m_lattice, piece.cellBefore, strain );
 }
 

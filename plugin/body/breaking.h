@@ -5,6 +5,7 @@
 
 #include "fracture/link_limits.h"
 #include "fracture/plane_cracks.h"
+#include "fracture/shard_cracks.h"
 #include "pliant/fracture.h"
 #include "pliant/material.h"
 
@@ -32,9 +33,12 @@ struct Breaking
 	float coolDown = 0.0f;                 ///< s until links are tested again, or new cracks may start
 	CellRefinementStates refinementStates; ///< bodies with levels only
 	std::unique_ptr<PlaneCracks> planes;   ///< BreakRule::Plane only
+	std::unique_ptr<ShardCracks> shards;   ///< BreakRule::Shards only
 
-	/// Computes limits and planes for the settings.
-	void prepare( const Lattice& lattice, float strain, std::vector<float> toughness );
+	/// Computes limits and planes for the settings, and adapts shards to the material.
+	void prepare( const Lattice& lattice, const Material& material, std::vector<float> toughness );
+	/// Strain for limitLinks that finds candidates of the rule, which breaks at `strain`.
+	float candidateStrain( float strain ) const;
 };
 
 /// A part of a body that has come apart. Its nodes are a subset of the body's, in the same order.
@@ -58,6 +62,10 @@ struct BreakReport
 	int links = 0;                ///< broken
 	double area = 0.0;            ///< m^2, of one side, from the links between cells that share a face
 	double energy = 0.0;          ///< J, of the broken links: E e^2 / 2 over their fraction of the material
+	Vec3d point = Vec3d::Zero();  ///< middle of the crack, relative to NodeState::origin
+	Vec3d normal = Vec3d::Zero(); ///< of the plane that fits it best; either sign
+	double partingVelocity = 0.0; ///< m/s, mean of both sides
+	std::vector<CutTrace> traces; ///< BreakRule::Shards: borders of shards, by the cells of the body before, mesh coordinates
 	std::vector<CellLink> broken; ///< by the indices of the body before
 	bool hasHealed = false;       ///< links were put back
 	int removedPieces = 0;        ///< SmallPieces::Remove

@@ -4,6 +4,6 @@
 
 namespace pliant {
 
-void Breaking::prepare( const Lattice&, float, std::vector<float> ) {}
+void Breaking::prepare( const Lattice&, const Material&, std::vector<float> ) {}
 
 } // namespace pliant
