@@ -43,7 +43,7 @@ public:
 		order.fracture.breakStrain = 0.02f;
 		order.fracture.shardSize = 0.09f;
 		order.fracture.shardPattern = pliant::ShardPattern::Rings;
-		order.fracture.crumbShare = 0.03f;
+		order.fracture.crumbFraction = 0.03f;
 		order.fracture.smallCells = kCrumb;
 		order.fracture.smallPieces = pliant::SmallPieces::Rigid;
 		order.friction = btScalar( 0.4 );

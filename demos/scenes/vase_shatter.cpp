@@ -48,7 +48,7 @@ public:
 		order.fracture.rule = pliant::BreakRule::Shards;
 		order.fracture.breakStrain = 0.035f;
 		order.fracture.shardSize = kShard;
-		order.fracture.crumbShare = 0.04f;
+		order.fracture.crumbFraction = 0.04f;
 		order.fracture.coolDown = 0.02f;
 		order.fracture.smallCells = kCrumb;
 		order.fracture.smallPieces = pliant::SmallPieces::Rigid;

@@ -57,7 +57,7 @@ inline constexpr int kMostPiecesPerStep = 100000;   // the same
 /// Smallest shard in cells: below it the lattice's steps would be larger than the shard's faces.
 inline constexpr double kLeastShardCells = 2.0;
 /// Size of crumbs over that of shards.
-inline constexpr double kCrumbFraction = 1.0 / 3.0;
+inline constexpr double kCrumbSize = 1.0 / 3.0;
 /// Mean distance of centres from random sequential adsorption over the least one allowed: between 1.2 in a plane (0.55 of it covered by
 /// discs) and 1.1 in space (0.38 filled by balls).
 inline constexpr double kShardSpacing = 1.15;

@@ -28,9 +28,9 @@ Status checkShards( const Fracture& fracture )
 	{
 		return refuse( "Fracture::toughness must lie in [0, 1e12] J/m^2." );
 	}
-	if ( !within( fracture.crumbShare, 0.0f, 1.0f ) )
+	if ( !within( fracture.crumbFraction, 0.0f, 1.0f ) )
 	{
-		return refuse( "Fracture::crumbShare must lie in [0, 1]." );
+		return refuse( "Fracture::crumbFraction must lie in [0, 1]." );
 	}
 	if ( fracture.shardPattern != ShardPattern::Scattered && fracture.shardPattern != ShardPattern::Rings )
 	{

@@ -146,7 +146,7 @@ ShardCracks::ShardCracks( const Lattice& lattice, const Fracture& settings, cons
 	{
 		mass += double( fill );
 	}
-	m_crumbMass = double( settings.crumbShare ) * mass;
+	m_crumbMass = double( settings.crumbFraction ) * mass;
 }
 
 void ShardCracks::setLaw( float breakStrain, double youngsModulus )
@@ -182,9 +182,9 @@ void ShardCracks::divide( const Lattice& lattice, const Vec3d& impact, const std
 	UnionFind groups = joinEqual( lattice, kind );
 	joinSlivers( lattice, groups );
 	m_shard = connectedGroups( lattice, groups );
-	if ( m_settings.crumbShare > 0.0f )
+	if ( m_settings.crumbFraction > 0.0f )
 	{
-		const double crumb = std::max( double( lattice.cellSize ), kCrumbFraction * m_size );
+		const double crumb = std::max( double( lattice.cellSize ), kCrumbSize * m_size );
 		m_crumbCentres = std::make_shared<const ShardCentreSet>(
 			ShardCentreSet::scattered( lattice, space, crumb, m_settings.shardSeed + 1 ) );
 		for ( std::size_t cell = 0; cell < cells; ++cell )

@@ -204,7 +204,7 @@ TEST( Shards, CrumbsAreWhereTheLoadIsAndAtMostTheirShare )
 	for ( const float share : { 0.0f, 0.02f, 0.1f } )
 	{
 		Fracture fracture = shards( 0.25f );
-		fracture.crumbShare = share;
+		fracture.crumbFraction = share;
 		Block block( 16, 16, 16, fracture );
 		const Vec3 corner = block.nodes.x.get( 0 );
 		for ( int i = 0; i < block.nodes.count; ++i ) // a corner is torn out
@@ -306,7 +306,7 @@ TEST( Shards, LinksThatNeverBreakHold )
 TEST( Shards, PiecesKeepThem )
 {
 	Fracture fracture = shards( 0.2f );
-	fracture.crumbShare = 0.1f;
+	fracture.crumbFraction = 0.1f;
 	const Block block( 12, 12, 12, fracture );
 	std::vector<std::uint32_t> cells;
 	for ( std::uint32_t i = 0; i < 12 * 12 * 12; i += 3 )
@@ -369,7 +369,7 @@ TEST( Shards, SettingsOutOfRangeAreRefused )
 	}
 	for ( const float value : { -0.1f, 1.1f, bad } )
 	{
-		EXPECT_TRUE( isRefused( [value]( Fracture& f ) { f.crumbShare = value; } ) );
+		EXPECT_TRUE( isRefused( [value]( Fracture& f ) { f.crumbFraction = value; } ) );
 	}
 	for ( const float value : { 0.5f, 101.0f, bad } )
 	{

@@ -69,7 +69,7 @@ struct Fracture
 	float toughness = 0.0f;
 	/// BreakRule::Shards: largest fraction of the body's mass that may become crumbs, small pieces of about a third of shardSize where an
 	/// impact leaves more energy than cracks between shards use up, 0 to 1.
-	float crumbShare = 0.0f;
+	float crumbFraction = 0.0f;
 	/// BreakRule::Shards: seed of the arrangement, any number. The same seed gives the same shards.
 	unsigned shardSeed = 1;
 	ShardPattern shardPattern = ShardPattern::Scattered; ///< BreakRule::Shards: their arrangement
