@@ -226,6 +226,7 @@ private:
 	float bodyFraction( float h, float alpha ) const;
 	void makeMeasures( bool isOnePart );
 	void refineBeforeBreaking();
+	void noteCoarseOverloads();
 	std::vector<CellLink> brokenLinks() const;
 	bool isSmall( const std::vector<std::uint32_t>& cells ) const { return int( cells.size() ) <= m_fracture.smallCells; }
 	bool makesRigid() const;

@@ -5,6 +5,7 @@
 #include "body/levels/levels.h"
 
 #include "fracture/constants.h"
+#include "fracture/shards/shard_cracks.h"
 #include "matching/step/lattice_matcher.h"
 
 #include <Eigen/Eigenvalues>
@@ -87,6 +88,10 @@ Result<GivenCentres> readCentres( const Fracture& fracture, const ShardCentres& 
 }
 
 } // namespace
+
+Breaking::Breaking() = default;
+
+Breaking::~Breaking() = default;
 
 void Breaking::prepare( const Lattice& lattice, const Material& material, std::vector<float> toughness )
 {
@@ -193,6 +198,29 @@ void fitPlane( const std::vector<Vec3d>& points, Vec3d& middle, Vec3d& normal )
 
 } // namespace
 
+// A crack between shards may start under a coarse node: it is split before the links break.
+void Body::noteCoarseOverloads()
+{
+	const Octree& octree = m_levels->octree();
+	const std::vector<std::uint32_t>& above = m_levels->cut().node;
+	std::vector<std::uint32_t> coarse;
+	for ( std::uint32_t i = 0; i < std::uint32_t( above.size() ); ++i )
+	{
+		if ( octree.cellCount[above[i]] > 1 )
+		{
+			coarse.push_back( i );
+		}
+	}
+	std::vector<float> gradients( coarse.size() * 9 );
+	nodeDeformationsOf( coarse, gradients.data() );
+	for ( std::size_t k = 0; k < coarse.size(); ++k )
+	{
+		const Eigen::Matrix3f gradient = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( gradients.data() + 9 * k );
+		const std::uint32_t node = above[coarse[k]], middle = octree.cellStart[node] + std::uint32_t( octree.cellCount[node] ) / 2;
+		m_breaking->shards->noteOverload( *m_lattice, m_breaking->limits, octree.cells[middle], gradient.cast<double>() );
+	}
+}
+
 void Body::testLinks( float h )
 {
 	if ( !m_breaking )
@@ -212,10 +240,12 @@ void Body::testLinks( float h )
 	bool hasBegun = false;
 	if ( b.shards )
 	{
-		const CellPositions positions = m_levels ? positionsOnLevels() : CellPositions( m_nodes );
-		if ( b.shards->canBreak() && b.shards->findOverloads( *m_lattice, b.limits, positions ) )
+		if ( b.shards->canBreak() )
 		{
-			b.shards->run( *m_lattice, b.limits, cellPositions(), b.broken );
+			b.shards->findOverloads( *m_lattice, b.limits, m_levels ? positionsOnLevels() : CellPositions( m_nodes ) );
+			m_levels ? noteCoarseOverloads() : void();
+			b.shards->run(
+				*m_lattice, b.limits, [this] { return cellPositions(); }, b.broken );
 		}
 	}
 	else if ( b.planes )
@@ -354,6 +384,11 @@ BreakReport Body::reportOn( const std::vector<CellLink>& broken ) const
 	if ( m_breaking && m_breaking->shards )
 	{
 		report.traces = m_breaking->shards->tracesOf( *m_lattice, broken );
+		for ( const CutTrace& trace : report.traces ) // the border's own area: the lattice's steps have more
+		{
+			const Vec3 axis = ( m_lattice->coordinate[trace.link.b] - m_lattice->coordinate[trace.link.a] ).cast<float>();
+			report.area -= d * d * ( 1.0 - double( std::fabs( trace.normal.dot( axis ) ) ) );
+		}
 	}
 	return report;
 }

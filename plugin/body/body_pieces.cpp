@@ -4,6 +4,7 @@
 #include "body/breaking.h"
 #include "body/levels/levels.h"
 
+#include "fracture/shards/shard_cracks.h"
 #include "matching/step/lattice_matcher.h"
 
 #include <algorithm>

@@ -3,9 +3,9 @@
 // Additional state of a body that can break: the rule, the limit of each link, and the links broken in the last substep. Ohta et al. 2009,
 // "Fracturing".
 
+#include "fracture/cut_links.h"
 #include "fracture/link_limits.h"
 #include "fracture/plane_cracks.h"
-#include "fracture/shard_cracks.h"
 #include "pliant/fracture.h"
 #include "pliant/material.h"
 
@@ -17,6 +17,7 @@
 namespace pliant {
 
 class Body;
+class ShardCracks;
 
 /// The strain at which a link of toughness 1 breaks.
 inline float breakStrain( const Fracture& fracture, const Material& material )
@@ -26,6 +27,9 @@ inline float breakStrain( const Fracture& fracture, const Material& material )
 
 struct Breaking
 {
+	Breaking();
+	~Breaking();
+
 	Fracture settings;
 	LinkLimits limits;
 	std::vector<CellLink> broken;          ///< to be removed, ascending

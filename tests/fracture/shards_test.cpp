@@ -1,7 +1,7 @@
 // BreakRule::Shards: how a body is divided, where cracks run, and where they are drawn.
 
 #include "fracture/constants.h"
-#include "fracture/shard_cracks.h"
+#include "fracture/shards/shard_cracks.h"
 #include "lattice/pieces.h"
 #include "support/block_body.h"
 
@@ -57,15 +57,16 @@ struct Block
 	std::vector<CellLink> run()
 	{
 		std::vector<CellLink> broken;
-		if ( cracks.findOverloads( lattice, limits, CellPositions( nodes ) ) )
-		{
+		cracks.findOverloads( lattice, limits, CellPositions( nodes ) );
+		const auto positions = [this] {
 			std::vector<Vec3d> at;
 			for ( int i = 0; i < nodes.count; ++i )
 			{
 				at.push_back( nodes.x.get( i ).cast<double>() );
 			}
-			cracks.run( lattice, limits, at, broken );
-		}
+			return at;
+		};
+		cracks.run( lattice, limits, positions, broken );
 		return broken;
 	}
 

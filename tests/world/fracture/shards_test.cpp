@@ -168,6 +168,7 @@ TEST( Shards, AreDrawnWithTheSmoothBorderBetweenThem )
 	EXPECT_GT( event.partingVelocity, 0.0 );
 	EXPECT_NEAR( event.point[1], 1.0, 0.05 );
 	const double section = 0.2 * 0.2 / double( normal.x() );
+	EXPECT_NEAR( event.area, section, 0.1 * section );
 	for ( int i = 0; i < 2; ++i )
 	{
 		SoftBody& piece = *scene.test.world.softBody( i );

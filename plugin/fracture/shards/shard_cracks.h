@@ -8,10 +8,12 @@
 #include "fracture/cell_positions.h"
 #include "fracture/cut_links.h"
 #include "fracture/link_limits.h"
-#include "fracture/shard_centres.h"
+#include "fracture/shards/shard_centres.h"
+#include "fracture/shards/shard_event.h"
 #include "fracture/stretch.h"
 #include "pliant/fracture.h"
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -24,14 +26,6 @@ struct GivenCentres
 	std::vector<std::uint32_t> shard; ///< of each centre
 };
 
-/// Settings of BreakRule::Shards for one material.
-struct ShardLaw
-{
-	float breakStrain = 0.0f;
-	double youngsModulus = 0.0; ///< Pa
-	double toughness = 0.0;     ///< J/m^2
-};
-
 class ShardCracks
 {
 public:
@@ -39,18 +33,20 @@ public:
 	ShardCracks( const Lattice& lattice, const Fracture& settings, const GivenCentres& given );
 	/// The same shards for some cells of the lattice, ascending. `fraction`: of the whole's mass, which divides what may become crumbs.
 	ShardCracks( const ShardCracks& whole, const std::vector<std::uint32_t>& cells, double fraction );
-	~ShardCracks();
 
 	/// Sets the breaking strain and Young's modulus, Pa, of the material. To be called before the body is tested.
 	void setLaw( float breakStrain, double youngsModulus );
 	/// Strain for limitLinks that finds candidates.
 	float candidateStrain() const;
 
-	/// Finds where the material is stretched beyond its strength; true where it is somewhere. `limits` made for candidateStrain().
-	bool findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions );
-	/// Runs cracks from the places found by the last findOverloads, and adds the links that break, ascending. `at`: of each cell, relative
-	/// to any origin.
-	void run( const Lattice& lattice, const LinkLimits& limits, const std::vector<Vec3d>& at, std::vector<CellLink>& broken );
+	/// Finds where the material is stretched beyond its strength. `limits` made for candidateStrain().
+	void findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions );
+	/// Adds the place of a cell under a coarse node, if its F is stretched beyond the strength. After findOverloads.
+	void noteOverload( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, const Eigen::Matrix3d& deformation );
+	/// Runs cracks from these places, if there are any, and adds the links that break, ascending. `positions` is then called: of each cell,
+	/// relative to any origin.
+	void run( const Lattice& lattice, const LinkLimits& limits, const std::function<std::vector<Vec3d>()>& positions,
+		std::vector<CellLink>& broken );
 
 	/// The borders of shards on broken links between cells that share a face: where cracks are drawn. Cells
 	/// of `lattice`; mesh coordinates.
@@ -64,20 +60,11 @@ public:
 	std::size_t bytes() const;
 
 private:
-	struct Overload
-	{
-		std::uint32_t cell;
-		float excess; ///< strain over the break strain
-		Vec3d normal;
-	};
-	struct Event; ///< what one call of run() measures
-
 	void divide( const Lattice& lattice, const Vec3d& impact, const std::vector<std::uint32_t>& shardOfCentre );
 	void findOne();
 
 	Fracture m_settings;
 	ShardLaw m_law;
-	double m_size = 0.0; ///< of shards, m
 	std::shared_ptr<const ShardCentreSet> m_centres, m_crumbCentres;
 	std::vector<std::uint32_t> m_shard; ///< by cell
 	std::vector<std::uint32_t> m_crumb; ///< by cell; empty: there are no crumbs
@@ -85,7 +72,7 @@ private:
 	bool m_isOne = false;               ///< all cells are of one shard
 	bool m_awaitsImpact = false;        ///< ShardPattern::Rings before the first break
 	LinkMoments m_moments;
-	std::vector<Overload> m_overloads;
+	std::vector<ShardOverload> m_overloads;
 };
 
 } // namespace pliant

@@ -1,7 +1,7 @@
 // Divides a body's cells into shards and crumbs, before anything breaks.
 
 #include "fracture/constants.h"
-#include "fracture/shard_cracks.h"
+#include "fracture/shards/shard_cracks.h"
 #include "lattice/union_find.h"
 
 #include <algorithm>
@@ -125,13 +125,13 @@ void joinSlivers( const Lattice& lattice, UnionFind& groups )
 
 } // namespace
 
-ShardCracks::ShardCracks( const Lattice& lattice, const Fracture& settings, const GivenCentres& given ) :
-	m_settings( settings ), m_size( sizeOfShards( lattice, settings.shardSize ) )
+ShardCracks::ShardCracks( const Lattice& lattice, const Fracture& settings, const GivenCentres& given ) : m_settings( settings )
 {
+	m_law.size = sizeOfShards( lattice, settings.shardSize );
 	m_awaitsImpact = given.place.empty() && settings.shardPattern == ShardPattern::Rings;
 	if ( !given.place.empty() )
 	{
-		m_centres = std::make_shared<const ShardCentreSet>( ShardSpace( Vec3d::Zero(), 1.0, 0.0, 1.0, 0 ), m_size, given.place );
+		m_centres = std::make_shared<const ShardCentreSet>( ShardSpace( Vec3d::Zero(), 1.0, 0.0, 1.0, 0 ), m_law.size, given.place );
 	}
 	if ( m_awaitsImpact )
 	{
@@ -154,24 +154,24 @@ void ShardCracks::setLaw( float breakStrain, double youngsModulus )
 	const double runsAt = double( kRunsAt ) * double( breakStrain );
 	m_law.breakStrain = breakStrain;
 	m_law.youngsModulus = youngsModulus;
-	m_law.toughness = m_settings.toughness > 0.0f ? double( m_settings.toughness ) : runsAt * runsAt * youngsModulus * m_size;
+	m_law.toughness = m_settings.toughness > 0.0f ? double( m_settings.toughness ) : runsAt * runsAt * youngsModulus * m_law.size;
 }
 
 void ShardCracks::divide( const Lattice& lattice, const Vec3d& impact, const std::vector<std::uint32_t>& shardOfCentre )
 {
 	const std::size_t cells = std::size_t( lattice.cellCount() );
-	const ShardSpace space = spaceFor( m_settings, m_size );
+	const ShardSpace space = spaceFor( m_settings, m_law.size );
 	if ( m_awaitsImpact )
 	{
 		const Vec3d grain( double( m_settings.grain[0] ), double( m_settings.grain[1] ), double( m_settings.grain[2] ) );
 		const Vec3d axis = grain.squaredNorm() > 0.0 ? Vec3d( grain.normalized() ) : thinnestDirection( lattice );
 		m_centres = std::make_shared<const ShardCentreSet>(
-			ShardCentreSet::rings( lattice, space, m_size, impact, axis, m_settings.shardSeed ) );
+			ShardCentreSet::rings( lattice, space, m_law.size, impact, axis, m_settings.shardSeed ) );
 		m_awaitsImpact = false;
 	}
 	else if ( !m_centres )
 	{
-		m_centres = std::make_shared<const ShardCentreSet>( ShardCentreSet::scattered( lattice, space, m_size, m_settings.shardSeed ) );
+		m_centres = std::make_shared<const ShardCentreSet>( ShardCentreSet::scattered( lattice, space, m_law.size, m_settings.shardSeed ) );
 	}
 	std::vector<std::uint64_t> kind( cells );
 	for ( std::size_t cell = 0; cell < cells; ++cell )
@@ -184,7 +184,7 @@ void ShardCracks::divide( const Lattice& lattice, const Vec3d& impact, const std
 	m_shard = connectedGroups( lattice, groups );
 	if ( m_settings.crumbFraction > 0.0f )
 	{
-		const double crumb = std::max( double( lattice.cellSize ), kCrumbSize * m_size );
+		const double crumb = std::max( double( lattice.cellSize ), kCrumbSize * m_law.size );
 		m_crumbCentres = std::make_shared<const ShardCentreSet>(
 			ShardCentreSet::scattered( lattice, space, crumb, m_settings.shardSeed + 1 ) );
 		for ( std::size_t cell = 0; cell < cells; ++cell )
@@ -209,8 +209,8 @@ void ShardCracks::findOne()
 }
 
 ShardCracks::ShardCracks( const ShardCracks& whole, const std::vector<std::uint32_t>& cells, double fraction ) :
-	m_settings( whole.m_settings ), m_law( whole.m_law ), m_size( whole.m_size ), m_centres( whole.m_centres ),
-	m_crumbCentres( whole.m_crumbCentres ), m_crumbMass( fraction * whole.m_crumbMass ), m_awaitsImpact( whole.m_awaitsImpact )
+	m_settings( whole.m_settings ), m_law( whole.m_law ), m_centres( whole.m_centres ), m_crumbCentres( whole.m_crumbCentres ),
+	m_crumbMass( fraction * whole.m_crumbMass ), m_awaitsImpact( whole.m_awaitsImpact )
 {
 	m_shard.reserve( cells.size() );
 	for ( const std::uint32_t cell : cells )
@@ -224,8 +224,6 @@ ShardCracks::ShardCracks( const ShardCracks& whole, const std::vector<std::uint3
 	findOne();
 	m_crumbMass = m_crumb.empty() && !m_awaitsImpact ? 0.0 : m_crumbMass;
 }
-
-ShardCracks::~ShardCracks() = default;
 
 float ShardCracks::candidateStrain() const
 {

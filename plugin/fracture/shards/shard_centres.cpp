@@ -1,4 +1,4 @@
-#include "fracture/shard_centres.h"
+#include "fracture/shards/shard_centres.h"
 
 #include "fracture/constants.h"
 
