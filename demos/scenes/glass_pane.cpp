@@ -42,6 +42,7 @@ public:
 		order.fracture.rule = pliant::BreakRule::Shards;
 		order.fracture.breakStrain = 0.02f;
 		order.fracture.shardSize = 0.09f;
+		order.fracture.toughness = 2.0f; // cracks run far beyond what the ball punches out
 		order.fracture.shardPattern = pliant::ShardPattern::Rings;
 		order.fracture.crumbFraction = 0.03f;
 		order.fracture.smallCells = kCrumb;

@@ -14,10 +14,10 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr float kLength = 1.4f, kThickness = 0.06f, kWidth = 0.2f; // m
+constexpr float kLength = 1.4f, kThickness = 0.08f, kWidth = 0.2f; // m
 constexpr float kCell = 0.02f;                                     // m
 constexpr btScalar kEdge = btScalar( 0.5 );                        // m, height of the edge
-constexpr btScalar kRate = btScalar( 0.6 );                        // m/s, of the ends
+constexpr btScalar kRate = btScalar( 0.3 );                        // m/s, of the ends
 constexpr btScalar kMostDown = btScalar( 0.38 );                   // m
 constexpr int kCrumb = 4;                                          // cells
 
@@ -33,18 +33,18 @@ public:
 	bool init( Stage& stage ) override
 	{
 		stage.addGround( btScalar( 0.6 ) );
-		const pliant_glue::ModelMesh mesh = makeBox( { kLength, kThickness, kWidth }, { 70, 3, 10 } );
+		const pliant_glue::ModelMesh mesh = makeBox( { kLength, kThickness, kWidth }, { 70, 4, 10 } );
 		SoftOrder order;
 		order.name = "plank";
 		order.mesh = &mesh;
 		order.cellSize = kCell;
 		order.place.setOrigin( btVector3( 0, kEdge + btScalar( kThickness ) / 2, 0 ) );
-		order.material.density = 600.0f;
-		order.material.youngsModulus = 4.0e6f;
-		order.material.damping = 60.0f;
+		order.material.density = 400.0f;
+		order.material.youngsModulus = 6.0e6f;
+		order.material.damping = 300.0f;
 		order.fracture.rule = pliant::BreakRule::Shards;
-		order.fracture.breakStrain = 0.05f;
-		order.fracture.shardSize = 0.04f;
+		order.fracture.breakStrain = 0.04f;
+		order.fracture.shardSize = 0.06f;
 		order.fracture.grain[0] = 1.0f;
 		order.fracture.grainLength = 6.0f;
 		order.fracture.smallCells = kCrumb;

@@ -19,7 +19,7 @@ constexpr btScalar kBall = btScalar( 0.28 );     // m across: wider than the mou
 constexpr btScalar kBallMass = btScalar( 60 );   // kg: of iron, and hollow
 constexpr btScalar kFallsFrom = btScalar( 1.8 ); // m
 constexpr btScalar kAside = btScalar( 0.02 );    // m beside the axis: nothing breaks evenly
-constexpr float kShard = 0.15f;                  // m
+constexpr float kShard = 0.12f;                  // m
 constexpr int kCrumb = 6;                        // cells: smaller pieces are rigid
 constexpr int kMostPieces = 200;
 

@@ -244,8 +244,9 @@ void Body::testLinks( float h )
 		{
 			b.shards->findOverloads( *m_lattice, b.limits, m_levels ? positionsOnLevels() : CellPositions( m_nodes ) );
 			m_levels ? noteCoarseOverloads() : void();
-			b.shards->run(
+			const bool isOverloaded = b.shards->run(
 				*m_lattice, b.limits, [this] { return cellPositions(); }, b.broken );
+			b.coolDown = isOverloaded ? kRetryFraction * b.settings.coolDown : b.coolDown; // a crack sets all of it, below
 		}
 	}
 	else if ( b.planes )

@@ -337,7 +337,7 @@ void Body::inheritBreaking( const Breaking& from, const BodyPiece& piece )
 	if ( from.shards )
 	{
 		const double fraction = double( piece.cellBefore.size() ) / double( from.shards->shards().size() );
-		m_breaking->shards = std::make_unique<ShardCracks>( *from.shards, piece.cellBefore, fraction );
+		m_breaking->shards = std::make_unique<ShardCracks>( *from.shards, *m_lattice, piece.cellBefore, fraction );
 	}
 }
 

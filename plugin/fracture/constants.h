@@ -74,6 +74,8 @@ inline constexpr int kBorderSteps = 6;
 /// centres over the ring's width and the sector's angle.
 inline constexpr int kFirstSectors = 7;
 inline constexpr double kRingGrowth = 0.35, kSpokeJitter = 0.18;
+/// A border is a spoke where its normal is at more than 45 degrees to the direction of the impact.
+inline constexpr double kSpokeCosine = 0.7;
 inline constexpr std::uint32_t kMostRings = 64;
 /// A crack starts at a border within 60 degrees of the plane across the pull.
 inline constexpr double kStartCosine = 0.5;
@@ -83,6 +85,8 @@ inline constexpr double kOpensAt = 0.1;
 /// directions of cos^4.
 inline constexpr double kLinkEnergyFactor = 5.0;
 
+/// Where the material is overloaded but no crack has the energy to run it is tested again after this fraction of Fracture::coolDown.
+inline constexpr float kRetryFraction = 0.25f;
 /// Area of the lattice's steps over that of a surface of any direction: the mean of | n_x | + | n_y | + | n_z |.
 inline constexpr double kStairs = 1.5;
 

@@ -314,7 +314,7 @@ TEST( Shards, PiecesKeepThem )
 	{
 		cells.push_back( i );
 	}
-	const ShardCracks piece( block.cracks, cells, 1.0 / 3.0 );
+	const ShardCracks piece( block.cracks, extractCells( block.lattice, cells ), cells, 1.0 / 3.0 );
 	ASSERT_EQ( piece.shards().size(), cells.size() );
 	for ( std::size_t i = 0; i < cells.size(); ++i )
 	{

@@ -62,21 +62,24 @@ void ShardCracks::noteOverload( const Lattice& lattice, const LinkLimits& limits
 	}
 }
 
-void ShardCracks::run(
+bool ShardCracks::run(
 	const Lattice& lattice, const LinkLimits& limits, const std::function<std::vector<Vec3d>()>& positions, std::vector<CellLink>& broken )
 {
 	if ( m_overloads.empty() )
 	{
-		return;
+		return false;
 	}
 	std::sort( m_overloads.begin(), m_overloads.end(),
 		[]( const ShardOverload& a, const ShardOverload& b ) { return std::tie( b.excess, a.cell ) < std::tie( a.excess, b.cell ); } );
-	if ( m_awaitsImpact )
+	const bool isImpact = m_awaitsImpact;
+	const std::uint32_t impact = m_overloads.front().cell;
+	if ( isImpact )
 	{
-		divide( lattice, lattice.massCentre + lattice.restCentre[m_overloads.front().cell].cast<double>(), {} );
+		divide( lattice, lattice.massCentre + lattice.restCentre[impact].cast<double>(), {} );
 	}
 	const std::vector<Vec3d> at = positions();
 	ShardEvent event( lattice, limits, m_shard, at, m_law );
+	isImpact ? event.runAround( impact ) : void();
 	for ( const ShardOverload& overload : m_overloads )
 	{
 		event.runFrom( overload );
@@ -104,6 +107,7 @@ void ShardCracks::run(
 			}
 		}
 	}
+	return true;
 }
 
 } // namespace pliant

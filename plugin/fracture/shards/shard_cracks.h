@@ -31,8 +31,9 @@ class ShardCracks
 public:
 	/// Divides the cells into shards. `given`: may be empty; the settings then say where they are.
 	ShardCracks( const Lattice& lattice, const Fracture& settings, const GivenCentres& given );
-	/// The same shards for some cells of the lattice, ascending. `fraction`: of the whole's mass, which divides what may become crumbs.
-	ShardCracks( const ShardCracks& whole, const std::vector<std::uint32_t>& cells, double fraction );
+	/// The same shards for a piece: some cells of the lattice, ascending. `fraction`: of the whole's mass, which divides what may become
+	/// crumbs.
+	ShardCracks( const ShardCracks& whole, const Lattice& piece, const std::vector<std::uint32_t>& cells, double fraction );
 
 	/// Sets the breaking strain and Young's modulus, Pa, of the material. To be called before the body is tested.
 	void setLaw( float breakStrain, double youngsModulus );
@@ -43,9 +44,9 @@ public:
 	void findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions );
 	/// Adds the place of a cell under a coarse node, if its F is stretched beyond the strength. After findOverloads.
 	void noteOverload( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, const Eigen::Matrix3d& deformation );
-	/// Runs cracks from these places, if there are any, and adds the links that break, ascending. `positions` is then called: of each cell,
-	/// relative to any origin.
-	void run( const Lattice& lattice, const LinkLimits& limits, const std::function<std::vector<Vec3d>()>& positions,
+	/// Runs cracks from these places, and adds the links that break, ascending; false where there are no such places. `positions` is called
+	/// where there are: of each cell, relative to any origin.
+	bool run( const Lattice& lattice, const LinkLimits& limits, const std::function<std::vector<Vec3d>()>& positions,
 		std::vector<CellLink>& broken );
 
 	/// The borders of shards on broken links between cells that share a face: where cracks are drawn. Cells

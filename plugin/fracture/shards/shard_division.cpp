@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace pliant {
@@ -123,6 +124,28 @@ void joinSlivers( const Lattice& lattice, UnionFind& groups )
 	}
 }
 
+/// Smallest mass of the groups with one number, cells' fill; infinite where there are none.
+double leastMass( const Lattice& lattice, const std::vector<std::uint32_t>& group )
+{
+	std::vector<std::pair<std::uint32_t, float>> fills;
+	for ( std::size_t cell = 0; cell < group.size(); ++cell )
+	{
+		fills.emplace_back( group[cell], lattice.fill[cell] );
+	}
+	std::sort( fills.begin(), fills.end() );
+	double least = std::numeric_limits<double>::infinity(), sum = 0.0;
+	for ( std::size_t k = 0; k < fills.size(); ++k )
+	{
+		sum += double( fills[k].second );
+		if ( k + 1 == fills.size() || fills[k + 1].first != fills[k].first )
+		{
+			least = std::min( least, sum );
+			sum = 0.0;
+		}
+	}
+	return least;
+}
+
 } // namespace
 
 ShardCracks::ShardCracks( const Lattice& lattice, const Fracture& settings, const GivenCentres& given ) : m_settings( settings )
@@ -208,7 +231,7 @@ void ShardCracks::findOne()
 		std::all_of( m_shard.begin(), m_shard.end(), [this]( std::uint32_t shard ) { return shard == m_shard.front(); } );
 }
 
-ShardCracks::ShardCracks( const ShardCracks& whole, const std::vector<std::uint32_t>& cells, double fraction ) :
+ShardCracks::ShardCracks( const ShardCracks& whole, const Lattice& piece, const std::vector<std::uint32_t>& cells, double fraction ) :
 	m_settings( whole.m_settings ), m_law( whole.m_law ), m_centres( whole.m_centres ), m_crumbCentres( whole.m_crumbCentres ),
 	m_crumbMass( fraction * whole.m_crumbMass ), m_awaitsImpact( whole.m_awaitsImpact )
 {
@@ -222,7 +245,10 @@ ShardCracks::ShardCracks( const ShardCracks& whole, const std::vector<std::uint3
 		}
 	}
 	findOne();
-	m_crumbMass = m_crumb.empty() && !m_awaitsImpact ? 0.0 : m_crumbMass;
+	if ( !m_awaitsImpact && m_crumbMass < leastMass( piece, m_crumb ) )
+	{
+		m_crumbMass = 0.0; // no crumb is so small
+	}
 }
 
 float ShardCracks::candidateStrain() const

@@ -227,6 +227,38 @@ void ShardEvent::runFrom( const ShardOverload& overload )
 	m_cracks.push_back( crack );
 }
 
+void ShardEvent::runAround( std::uint32_t impact )
+{
+	std::vector<std::pair<double, std::uint32_t>> order;
+	for ( std::uint32_t b = 0; b < std::uint32_t( m_borders.size() ); ++b )
+	{
+		const Vec3d away = m_borders[b].middle - rest( impact );
+		const bool isSpoke = std::fabs( m_borders[b].across.dot( away ) ) < kSpokeCosine * m_borders[b].across.norm() * away.norm();
+		order.emplace_back( ( isSpoke ? 0.5 : 1.0 ) * away.norm(), b );
+	}
+	std::sort( order.begin(), order.end() );
+	double whole = 0.0;
+	for ( const double energy : m_left )
+	{
+		whole += energy;
+	}
+	double left = whole;
+	for ( const auto& [distance, b] : order )
+	{
+		const double cost = costOf( m_borders[b] );
+		if ( cost > left )
+		{
+			break;
+		}
+		m_borders[b].isBroken = m_borders[b].links > 0;
+		left -= cost;
+	}
+	for ( double& energy : m_left )
+	{
+		energy *= whole > 0.0 ? left / whole : 0.0;
+	}
+}
+
 bool ShardEvent::isCrossed( const Border& border, const Crack& crack ) const
 {
 	const double a = crack.normal.dot( m_centre[border.shard[0]] - crack.point );

@@ -37,6 +37,9 @@ public:
 	/// Starts a crack at the border of the cell's shard that lies best across the pull, and runs it; nothing where none opens, or where a
 	/// crack of this event unloads the material.
 	void runFrom( const ShardOverload& overload );
+	/// Opens borders all around an impact, the nearest first and those that lead away from it twice as far as those around it, as long as
+	/// the energy of the whole body lasts.
+	void runAround( std::uint32_t impact );
 	/// Returns, by cell, 1 for those that come off as crumbs: where the energy left suffices for a crumb's whole surface, the densest
 	/// first, up to `mass` of cells' fill, which is reduced.
 	std::vector<std::uint8_t> crumble(
