@@ -19,6 +19,7 @@ constexpr float kCell = 0.02f;                                     // m
 constexpr btScalar kEdge = btScalar( 0.5 );                        // m, height of the edge
 constexpr btScalar kRate = btScalar( 0.3 );                        // m/s, of the ends
 constexpr btScalar kMostDown = btScalar( 0.38 );                   // m
+constexpr btScalar kGap = btScalar( 0.03 );                        // m, from the hands to the plank at first
 constexpr int kCrumb = 4;                                          // cells
 
 float woodToughness( const float*, const float* direction, void* )
@@ -39,14 +40,16 @@ public:
 		order.mesh = &mesh;
 		order.cellSize = kCell;
 		order.place.setOrigin( btVector3( 0, kEdge + btScalar( kThickness ) / 2, 0 ) );
-		order.material.density = 400.0f;
-		order.material.youngsModulus = 6.0e6f;
-		order.material.damping = 300.0f;
+		order.material.density = 600.0f;
+		order.material.youngsModulus = 2.0e7f;
+		order.material.elasticity = pliant::Elasticity::Implicit; // it is bent slowly
+		order.material.damping = 30.0f;
 		order.fracture.rule = pliant::BreakRule::Shards;
-		order.fracture.breakStrain = 0.04f;
+		order.fracture.breakStrain = 0.02f;
 		order.fracture.shardSize = 0.06f;
 		order.fracture.grain[0] = 1.0f;
-		order.fracture.grainLength = 6.0f;
+		order.fracture.grainLength = 4.0f;
+		order.fracture.toughness = 8.0f;
 		order.fracture.smallCells = kCrumb;
 		order.fracture.smallPieces = pliant::SmallPieces::Rigid;
 		order.toughness.fraction = woodToughness;
@@ -88,7 +91,8 @@ private:
 	btTransform handPlace( int side ) const
 	{
 		const btScalar x = ( btScalar( kLength ) / 2 - btScalar( 0.08 ) ) * btScalar( side == 0 ? -1 : 1 );
-		return btTransform( btQuaternion::getIdentity(), btVector3( x, kEdge + btScalar( kThickness ) + kHand.y() / 2 - m_down, 0 ) );
+		return btTransform(
+			btQuaternion::getIdentity(), btVector3( x, kEdge + btScalar( kThickness ) + kHand.y() / 2 + kGap - m_down, 0 ) );
 	}
 
 	const btVector3 kHand = btVector3( btScalar( 0.06 ), btScalar( 0.06 ), btScalar( 0.3 ) );

@@ -48,7 +48,7 @@ struct Thrown
 
 	SoftBody* throwAnother( const Fracture& fracture, btScalar x )
 	{
-		SoftBody* const soft = test.addSoft( block( 12, 12, 12, kCell ), tilted( x, btScalar( 0.6 ) ), stiff( 2e6f ) );
+		SoftBody* const soft = test.addSoft( block( 10, 10, 10, kCell ), tilted( x, btScalar( 0.6 ) ), stiff( 2e6f ) );
 		EXPECT_TRUE( soft->setFracture( fracture ).ok() );
 		EXPECT_TRUE( soft->setVelocities( btVector3( 0, -15, 0 ), btVector3( 1, 2, 1 ) ).ok() );
 		return soft;
@@ -57,7 +57,7 @@ struct Thrown
 
 TEST( Shards, AThrownBlockBreaksIntoTensOfPiecesWithFewCrumbs )
 {
-	Fracture fracture = shards( 0.18f, 0.01f );
+	Fracture fracture = shards( 0.15f, 0.01f );
 	fracture.crumbFraction = 0.05f;
 	Thrown scene( fracture );
 	int links = 0, events = 0;
@@ -84,7 +84,7 @@ TEST( Shards, AThrownBlockBreaksIntoTensOfPiecesWithFewCrumbs )
 		small += own <= 6 ? own : 0;
 	}
 	std::printf( "%d pieces, %d links in %d events, %d cells in pieces of at most six\n", pieces, links, events, small );
-	EXPECT_EQ( cells, 12 * 12 * 12 );
+	EXPECT_EQ( cells, 10 * 10 * 10 );
 	EXPECT_GE( pieces, 12 );
 	EXPECT_LE( pieces, 100 );
 	EXPECT_LT( small, 0.06 * cells );
@@ -95,10 +95,10 @@ TEST( Shards, BreakAlikeOnAnyNumberOfThreads )
 	std::vector<btVector3> reference;
 	for ( const int threads : { 1, 3 } )
 	{
-		Fracture fracture = shards( 0.18f, 0.01f );
+		Fracture fracture = shards( 0.15f, 0.01f );
 		fracture.crumbFraction = 0.05f;
 		Thrown scene( fracture, threads );
-		scene.test.run( 25 );
+		scene.test.run( 12 );
 		std::vector<btVector3> places;
 		for ( int i = 0; i < scene.test.world.softBodyCount(); ++i )
 		{
@@ -233,8 +233,8 @@ TEST( Shards, ABodyWithLevelsBreaksAlongThemToo )
 	Adaptivity levels;
 	levels.coarseLevels = 1;
 	TornBar scene( shards( 0.15f, 0.05f ), {}, levels );
-	const FractureEvent event = scene.tear();
-	EXPECT_GE( event.fragments.size(), 1u );
+	scene.test.run( 60 );
+	EXPECT_GE( scene.test.world.softBodyCount(), 2 );
 	int cells = 0;
 	for ( int i = 0; i < scene.test.world.softBodyCount(); ++i )
 	{
@@ -263,7 +263,7 @@ TEST( Shards, BadCentresAreRefusedAndChangeNothing )
 
 TEST( Debris, AnEventsPiecesAreSpreadOverSteps )
 {
-	Thrown scene( shards( 0.15f, 0.01f ) );
+	Thrown scene( shards( 0.13f, 0.01f ) );
 	DebrisBudget budget;
 	budget.piecesPerStep = 4;
 	ASSERT_TRUE( scene.test.world.setDebrisBudget( budget ).ok() );
@@ -293,15 +293,15 @@ TEST( Debris, AnEventsPiecesAreSpreadOverSteps )
 
 TEST( Debris, FadesBeyondTheBudgetButNotWhatIsKept )
 {
-	Thrown scene( shards( 0.15f, 0.01f ) );
-	SoftBody* const kept = scene.throwAnother( shards( 0.15f, 0.01f ), 3 );
+	Thrown scene( shards( 0.13f, 0.01f ) );
+	SoftBody* const kept = scene.throwAnother( shards( 0.13f, 0.01f ), 3 );
 	kept->setKept( true );
 	DebrisBudget budget;
 	budget.maxPieces = 5;
 	budget.fadeTime = 0.1f;
 	ASSERT_TRUE( scene.test.world.setDebrisBudget( budget ).ok() );
 	int faded = 0, removed = 0, fragments = 0;
-	for ( int frame = 0; frame < 90; ++frame )
+	for ( int frame = 0; frame < 60; ++frame )
 	{
 		scene.test.run( 1 );
 		const StepReport& report = scene.test.world.stepReport();
@@ -329,7 +329,7 @@ TEST( Debris, FadesBeyondTheBudgetButNotWhatIsKept )
 
 TEST( Debris, NodesHaveABudgetTooAndReleasedPiecesAreTheGames )
 {
-	Thrown scene( shards( 0.15f, 0.01f ) );
+	Thrown scene( shards( 0.13f, 0.01f ) );
 	DebrisBudget budget;
 	budget.maxNodes = 300;
 	budget.fadeTime = 0.05f;
