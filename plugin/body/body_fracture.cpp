@@ -240,8 +240,11 @@ void Body::testLinks( float h )
 	bool hasBegun = false;
 	if ( b.shards )
 	{
-		if ( b.shards->canBreak() )
+		b.sinceTest += h;
+		const float waves = std::sqrt( m_material.youngsModulus / m_material.density );
+		if ( b.shards->canBreak() && b.sinceTest * waves > kTestDistance * float( b.shards->law().size ) )
 		{
+			b.sinceTest = 0.0f;
 			b.shards->findOverloads( *m_lattice, b.limits, m_levels ? positionsOnLevels() : CellPositions( m_nodes ) );
 			m_levels ? noteCoarseOverloads() : void();
 			const bool isOverloaded = b.shards->run(

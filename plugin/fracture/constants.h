@@ -77,14 +77,16 @@ inline constexpr double kRingGrowth = 0.35, kSpokeJitter = 0.18;
 /// A border is a spoke where its normal is at more than 45 degrees to the direction of the impact.
 inline constexpr double kSpokeCosine = 0.7;
 inline constexpr std::uint32_t kMostRings = 64;
-/// A crack starts at a border within 60 degrees of the plane across the pull.
-inline constexpr double kStartCosine = 0.5;
+/// A crack starts at no border that is nearly parallel to the pull: more than 80 degrees from the plane across it.
+inline constexpr double kStartCosine = 0.17;
 /// A crack stops at borders whose stretch across its plane is less than this fraction of the breaking stretch: they are not pulled apart.
 inline constexpr double kOpensAt = 0.1;
 /// The energy density E e^2 / 2 over the mean of E s^2 / 2, with s the strains of a cell's links: in simple tension e, and a mean over all
 /// directions of cos^4.
 inline constexpr double kLinkEnergyFactor = 5.0;
 
+/// Shards are tested again once sound has crossed this fraction of one: the load on a shard does not change sooner.
+inline constexpr float kTestDistance = 0.5f;
 /// Where the material is overloaded but no crack has the energy to run it is tested again after this fraction of Fracture::coolDown.
 inline constexpr float kRetryFraction = 0.25f;
 /// Area of the lattice's steps over that of a surface of any direction: the mean of | n_x | + | n_y | + | n_z |.

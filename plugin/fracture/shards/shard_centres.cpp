@@ -58,6 +58,14 @@ Vec3d ShardSpace::map( const Vec3d& at ) const
 	return compressed + m_bend * Vec3d( std::sin( angle.y() ), std::sin( angle.z() ), std::sin( angle.x() ) );
 }
 
+// map() is M x + bend ( sin t_y, sin t_z, sin t_x ) with t = W M x + phase: its derivative's transpose, times a vector.
+Vec3d ShardSpace::pulledBack( const Vec3d& at, const Vec3d& vector ) const
+{
+	const Vec3d angle = m_wave * ( m_metric * at ) + m_phase;
+	const Vec3d turned( vector.z() * std::cos( angle.x() ), vector.x() * std::cos( angle.y() ), vector.y() * std::cos( angle.z() ) );
+	return m_metric.transpose() * ( vector + m_bend * ( m_wave.transpose() * turned ) );
+}
+
 void ShardCentreSet::openGrid( const Vec3d& low, const Vec3d& high )
 {
 	m_low = low;
@@ -230,12 +238,7 @@ double ShardCentreSet::borderBetween( const Vec3d& a, std::uint32_t centreA, con
 		( at < 0.0 ? low : high ) = fraction;
 		( at < 0.0 ? sideLow : sideHigh ) = at;
 	}
-	const Vec3d at = a + fraction * ( b - a );
-	const double h = 1e-3 * m_size;
-	for ( int axis = 0; axis < 3; ++axis )
-	{
-		normal[axis] = side( at + h * Vec3d::Unit( axis ) ) - side( at - h * Vec3d::Unit( axis ) );
-	}
+	normal = m_space.pulledBack( a + fraction * ( b - a ), between );
 	const double length = normal.norm();
 	normal = length > 0.0 ? Vec3d( normal / length ) : Vec3d( ( b - a ).normalized() );
 	return fraction;

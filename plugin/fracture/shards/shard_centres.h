@@ -19,6 +19,8 @@ public:
 	ShardSpace( const Vec3d& grain, double length, double bend, double wavelength, unsigned seed );
 
 	Vec3d map( const Vec3d& at ) const;
+	/// The gradient of map( at ) . vector.
+	Vec3d pulledBack( const Vec3d& at, const Vec3d& vector ) const;
 
 private:
 	Eigen::Matrix3d m_metric = Eigen::Matrix3d::Identity();

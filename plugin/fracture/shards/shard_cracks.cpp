@@ -38,13 +38,17 @@ void ShardCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 		{
 			continue;
 		}
-		// The measure over the neighbours as well: otherwise every step of a slanted surface would be a notch. A neck breaks in any case.
 		const Stretch near = largestStretch( m_moments.of( i ).deformation() );
+		const double factor = strength * double( positions.strainFactor( i ) );
+		const double nearExcess = near.strain / ( factor * toughnessAlong( lattice, limits, i, near.axis ) );
+		if ( !( nearExcess > 1.0 ) )
+		{
+			continue;
+		}
+		// The measure over the neighbours as well: otherwise every step of a slanted surface would be a notch. A neck breaks in any case.
 		const Stretch wide = largestStretch( m_moments.around( i ).deformation() );
-		const double toughness = toughnessAlong( lattice, limits, i, wide.axis ), limit = strength * toughness;
-		const double factor = double( positions.strainFactor( i ) ), nearExcess = near.strain / ( limit * factor );
 		const double neck = nearExcess > double( kNeckFactor ) ? 1.0 + nearExcess - double( kNeckFactor ) : 0.0;
-		const double excess = std::max( wide.strain / ( limit * factor ), neck );
+		const double excess = std::max( wide.strain / ( factor * toughnessAlong( lattice, limits, i, wide.axis ) ), neck );
 		if ( excess > 1.0 )
 		{
 			m_overloads.push_back( ShardOverload{ i, float( excess ), wide.axis } );
