@@ -68,16 +68,19 @@ const SceneEntry* findScene( const std::string& name );
 
 // One function a file in scenes/.
 std::unique_ptr<Scene> makeBarPull();
+std::unique_ptr<Scene> makeBrickWall();
 std::unique_ptr<Scene> makeBulletHit();
 std::unique_ptr<Scene> makeBunnyPile();
 std::unique_ptr<Scene> makeBunnyTear();
 std::unique_ptr<Scene> makeElephants();
 std::unique_ptr<Scene> makeFlowers();
+std::unique_ptr<Scene> makeGlassPane();
 std::unique_ptr<Scene> makeGlobDrop();
 std::unique_ptr<Scene> makeHandScene();
 std::unique_ptr<Scene> makeHeavyOnSoft();
 std::unique_ptr<Scene> makeHello();
 std::unique_ptr<Scene> makeLiverCut();
+std::unique_ptr<Scene> makePlank();
 std::unique_ptr<Scene> makePlasticBlock();
 std::unique_ptr<Scene> makeSlope();
 std::unique_ptr<Scene> makeSoftStack();

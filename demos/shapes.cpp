@@ -47,7 +47,7 @@ float fieldOf( const std::vector<MetaBall>& balls, const Point& p )
 
 } // namespace
 
-ModelMesh makeCube( float edge, int cuts )
+ModelMesh makeBox( const std::array<float, 3>& edges, const std::array<int, 3>& cuts )
 {
 	ModelMesh mesh;
 	SharedVertices<std::array<int, 3>> vertices( mesh );
@@ -57,21 +57,21 @@ ModelMesh makeCube( float edge, int cuts )
 		const bool isFar = face % 2 == 0;
 		const auto corner = [&]( int i, int j ) {
 			std::array<int, 3> at{};
-			at[std::size_t( axis )] = isFar ? cuts : 0;
+			at[std::size_t( axis )] = isFar ? cuts[std::size_t( axis )] : 0;
 			at[std::size_t( u )] = i;
 			at[std::size_t( v )] = j;
 			return vertices.at( at, [&] {
 				Point p;
 				for ( std::size_t k = 0; k < 3; ++k )
 				{
-					p[k] = edge * ( float( at[k] ) / float( cuts ) - 0.5f );
+					p[k] = edges[k] * ( float( at[k] ) / float( cuts[k] ) - 0.5f );
 				}
 				return p;
 			} );
 		};
-		for ( int i = 0; i < cuts; ++i )
+		for ( int i = 0; i < cuts[std::size_t( u )]; ++i )
 		{
-			for ( int j = 0; j < cuts; ++j )
+			for ( int j = 0; j < cuts[std::size_t( v )]; ++j )
 			{
 				const std::uint32_t a = corner( i, j ), b = corner( i + 1, j ), c = corner( i + 1, j + 1 ), d = corner( i, j + 1 );
 				isFar ? mesh.indices.insert( mesh.indices.end(), { a, b, c, a, c, d } )
@@ -80,6 +80,11 @@ ModelMesh makeCube( float edge, int cuts )
 		}
 	}
 	return named( "cube", std::move( mesh ) );
+}
+
+ModelMesh makeCube( float edge, int cuts )
+{
+	return makeBox( { edge, edge, edge }, { cuts, cuts, cuts } );
 }
 
 ModelMesh makeSphere( float diameter, int subdivisions )

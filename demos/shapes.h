@@ -11,6 +11,8 @@ namespace pliant_demos {
 
 /// Each face cut into `cuts` x `cuts` squares, 1 to 200; centre at the origin. Vertices are shared, so shading rounds the edges.
 pliant_glue::ModelMesh makeCube( float edge, int cuts );
+/// The same with edges and cuts along each axis.
+pliant_glue::ModelMesh makeBox( const std::array<float, 3>& edges, const std::array<int, 3>& cuts );
 pliant_glue::ModelMesh makeSphere( float diameter, int subdivisions );
 /// Lies flat: its axis is y.
 pliant_glue::ModelMesh makeTorus( float radius, float tubeRadius, int around, int along );

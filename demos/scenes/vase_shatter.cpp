@@ -1,13 +1,12 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | vase_shatter: an iron ball falls on a brittle vase. Cracks begin where it is hit and run on at a third of what it |
-// | took to begin them (Fracture::growthFraction), so that it flies apart in large shards and small ones.               |
+// | vase_shatter: an iron ball falls on a brittle vase. Cracks begin where it is hit and run between the shards that   |
+// | the vase is divided into (BreakRule::Shards), so that it flies apart in some tens of curved shards and few crumbs.   |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"
 #include "demos/scene.h"
 #include "demos/shapes.h"
-
-#include <algorithm>
+#include "demos/shard_count.h"
 
 namespace pliant_demos {
 
@@ -21,6 +20,7 @@ constexpr btScalar kBallMass = btScalar( 60 );           // kg: of iron, and hol
 constexpr btScalar kFallsFrom = btScalar( 1.8 );         // m
 constexpr btScalar kVaseShatterAside = btScalar( 0.02 ); // m beside the axis: nothing breaks evenly
 constexpr int kCrumb = 6;                                // cells: smaller pieces are rigid
+constexpr float kVaseShatterShard = 0.12f;                // m
 constexpr int kMostPieces = 200;
 
 /// Outer line from the foot up to the lip: radius and height, m.
@@ -45,9 +45,10 @@ public:
 		order.material.density = 1000.0f;
 		order.material.youngsModulus = 2.0e6f;
 		order.material.damping = 150.0f; // shards neither ring nor bounce
-		order.fracture.rule = pliant::BreakRule::Plane;
+		order.fracture.rule = pliant::BreakRule::Shards;
 		order.fracture.breakStrain = 0.035f;
-		order.fracture.growthFraction = 0.3f;
+		order.fracture.shardSize = kVaseShatterShard;
+		order.fracture.crumbFraction = 0.04f;
 		order.fracture.coolDown = 0.02f;
 		order.fracture.smallCells = kCrumb;
 		order.fracture.smallPieces = pliant::SmallPieces::Rigid;
@@ -60,32 +61,9 @@ public:
 		return m_vase != nullptr;
 	}
 
-	void afterStep( Stage& stage, double seconds ) override
-	{
-		const pliant::StepReport& report = stage.world().stepReport();
-		m_links += report.brokenLinks;
-		m_pieces += report.fragments;
-		m_firstCrack = m_firstCrack == 0 && m_links > 0 ? seconds : m_firstCrack;
-		m_longestFracture = std::max( m_longestFracture, report.fracture );
-		for ( const pliant::FractureEvent& event : stage.world().fractureEvents() )
-		{
-			m_area += event.area;
-			m_energy += event.energy;
-		}
-	}
+	void afterStep( Stage& stage, double seconds ) override { m_count.note( stage, seconds ); }
 
-	std::vector<FindingTable> findings( const Stage& stage ) const override
-	{
-		double mass = 0;
-		for ( int i = 0; i < stage.world().softBodyCount(); ++i )
-		{
-			mass += double( const_cast<pliant::SoftBodyWorld&>( stage.world() ).softBody( i )->mass() );
-		}
-		return { { "what became of the vase",
-			{ "bodies", "broken links", "crack, m^2", "energy, J", "first crack, s", "mass, kg", "worst frame, ms" },
-			{ { "vase",
-				{ double( m_pieces + 1 ), double( m_links ), m_area, m_energy, m_firstCrack, mass, 1e3 * m_longestFracture } } } } };
-	}
+	std::vector<FindingTable> findings( const Stage& stage ) const override { return { m_count.table( stage, "vase", kCrumb ) }; }
 
 	double duration() const override { return 2.0; }
 	int slowness() const override { return 2; }
@@ -94,8 +72,7 @@ public:
 
 private:
 	pliant::SoftBody* m_vase = nullptr;
-	int m_links = 0, m_pieces = 0;
-	double m_area = 0, m_energy = 0, m_firstCrack = 0, m_longestFracture = 0;
+	ShardCount m_count;
 };
 
 } // namespace

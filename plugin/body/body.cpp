@@ -150,9 +150,9 @@ Status Body::setMaterial( const Material& wanted )
 			m_implicit.reset(); // it refers to the previous matcher
 		}
 		m_material = material;
-		if ( m_breaking && m_breaking->settings.strength > 0.0f ) // the breaking strain depends on the modulus
+		if ( m_breaking && ( m_breaking->settings.strength > 0.0f || m_breaking->shards ) ) // they depend on the modulus
 		{
-			m_breaking->prepare( *m_lattice, breakStrain( m_breaking->settings, m_material ), std::move( m_breaking->limits.toughness ) );
+			m_breaking->prepare( *m_lattice, m_material, std::move( m_breaking->limits.toughness ) );
 		}
 		return {};
 	}

@@ -129,7 +129,7 @@ public:
 	// --- breaking ----------------------------------------------------------------------------------------------------
 	/// Sets the rule by which links break. Fails on invalid settings, and for methods without a lattice of regions. BreakRule::Never
 	/// discards all breaking data; the handling of cut-off pieces is kept with any rule.
-	Status setFracture( const Fracture& fracture, const ToughnessField& toughness = {} );
+	Status setFracture( const Fracture& fracture, const ToughnessField& toughness = {}, const ShardCentres& centres = {} );
 	/// The settings last set.
 	const Fracture& fracture() const { return m_fracture; }
 	/// Null for a body that cannot break.
@@ -251,6 +251,7 @@ private:
 	float bodyFraction( float h, float alpha ) const;
 	void makeMeasures( bool isOnePart );
 	void refineBeforeBreaking();
+	void noteCoarseOverloads();
 	std::vector<CellLink> brokenLinks() const;
 	bool isSmall( const std::vector<std::uint32_t>& cells ) const { return int( cells.size() ) <= m_fracture.smallCells; }
 	bool makesRigid() const;

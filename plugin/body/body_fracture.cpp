@@ -5,7 +5,10 @@
 #include "body/levels/levels.h"
 
 #include "fracture/constants.h"
+#include "fracture/shards/shard_cracks.h"
 #include "matching/step/lattice_matcher.h"
+
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -54,18 +57,62 @@ Result<std::vector<float>> sampleToughness( const Lattice& lattice, const Toughn
 	return Answer::success( std::move( toughness ) );
 }
 
+Result<GivenCentres> readCentres( const Fracture& fracture, const ShardCentres& centres )
+{
+	using Answer = Result<GivenCentres>;
+	GivenCentres given;
+	if ( fracture.rule != BreakRule::Shards || ( !centres.points && centres.count == 0 ) )
+	{
+		return Answer::success( std::move( given ) );
+	}
+	if ( !centres.points || centres.count < 2 || centres.count > kMostShardCentres )
+	{
+		return Answer::failure( ResultCode::BadArgument, "ShardCentres: there must be 2 to 100 000 centres." );
+	}
+	for ( int k = 0; k < centres.count; ++k )
+	{
+		const Vec3 place = Eigen::Map<const Vec3>( centres.points + 3 * std::size_t( k ) );
+		if ( !place.allFinite() || place.cwiseAbs().maxCoeff() > kFarthestCentre )
+		{
+			return Answer::failure( ResultCode::BadArgument, "ShardCentres: a coordinate is not finite, or beyond 1e6 m." );
+		}
+		const int shard = centres.shards ? centres.shards[k] : k;
+		if ( shard < 0 )
+		{
+			return Answer::failure( ResultCode::BadArgument, "ShardCentres: the number of a shard is below 0." );
+		}
+		given.place.push_back( place.cast<double>() );
+		given.shard.push_back( std::uint32_t( shard ) );
+	}
+	return Answer::success( std::move( given ) );
+}
+
 } // namespace
 
-void Breaking::prepare( const Lattice& lattice, float strain, std::vector<float> toughness )
+Breaking::Breaking() = default;
+
+Breaking::~Breaking() = default;
+
+void Breaking::prepare( const Lattice& lattice, const Material& material, std::vector<float> toughness )
 {
+	const float strain = breakStrain( settings, material );
+	if ( shards )
+	{
+		shards->setLaw( strain, double( material.youngsModulus ) );
+	}
 	if ( settings.rule == BreakRule::Plane )
 	{
 		planes = std::make_unique<PlaneCracks>( strain, settings.growthFraction );
 	}
-	limits = limitLinks( lattice, planes ? planes->candidateStrain() : strain, std::move( toughness ) );
+	limits = limitLinks( lattice, candidateStrain( strain ), std::move( toughness ) );
 }
 
-Status Body::setFracture( const Fracture& fracture, const ToughnessField& field )
+float Breaking::candidateStrain( float strain ) const
+{
+	return planes ? planes->candidateStrain() : shards ? shards->candidateStrain() : strain;
+}
+
+Status Body::setFracture( const Fracture& fracture, const ToughnessField& field, const ShardCentres& centres )
 {
 	if ( Status status = check( fracture ); !status.ok() )
 	{
@@ -88,9 +135,18 @@ Status Body::setFracture( const Fracture& fracture, const ToughnessField& field 
 		{
 			return toughness.status;
 		}
+		const Result<GivenCentres> given = readCentres( fracture, centres );
+		if ( !given.ok() )
+		{
+			return given.status;
+		}
 		auto breaking = std::make_unique<Breaking>();
 		breaking->settings = fracture;
-		breaking->prepare( *m_lattice, breakStrain( fracture, m_material ), std::move( toughness.value ) );
+		if ( fracture.rule == BreakRule::Shards )
+		{
+			breaking->shards = std::make_unique<ShardCracks>( *m_lattice, fracture, given.value );
+		}
+		breaking->prepare( *m_lattice, m_material, std::move( toughness.value ) );
 		m_breaking = std::move( breaking );
 		m_fracture = fracture;
 		refineBeforeBreaking();
@@ -122,7 +178,48 @@ float cellCrackTime( const Lattice& lattice, const Material& material )
 	return material.stiffness == Stiffness::YoungsModulus ? lattice.cellSize / ( kCrackSpeed * waves ) : 0.0f;
 }
 
+/// Middle and normal of a set of points: the mean, and the direction in which they spread least.
+void fitPlane( const std::vector<Vec3d>& points, Vec3d& middle, Vec3d& normal )
+{
+	Vec3d sum = Vec3d::Zero();
+	for ( const Vec3d& point : points )
+	{
+		sum += point;
+	}
+	middle = sum / double( points.size() );
+	Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+	for ( const Vec3d& point : points )
+	{
+		spread += ( point - middle ) * ( point - middle ).transpose();
+	}
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( spread );
+	normal = solver.eigenvectors().col( 0 );
+}
+
 } // namespace
+
+// A crack between shards may start under a coarse node: it is split before the links break.
+void Body::noteCoarseOverloads()
+{
+	const Octree& octree = m_levels->octree();
+	const std::vector<std::uint32_t>& above = m_levels->cut().node;
+	std::vector<std::uint32_t> coarse;
+	for ( std::uint32_t i = 0; i < std::uint32_t( above.size() ); ++i )
+	{
+		if ( octree.cellCount[above[i]] > 1 )
+		{
+			coarse.push_back( i );
+		}
+	}
+	std::vector<float> gradients( coarse.size() * 9 );
+	nodeDeformationsOf( coarse, gradients.data() );
+	for ( std::size_t k = 0; k < coarse.size(); ++k )
+	{
+		const Eigen::Matrix3f gradient = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( gradients.data() + 9 * k );
+		const std::uint32_t node = above[coarse[k]], middle = octree.cellStart[node] + std::uint32_t( octree.cellCount[node] ) / 2;
+		m_breaking->shards->noteOverload( *m_lattice, m_breaking->limits, octree.cells[middle], gradient.cast<double>() );
+	}
+}
 
 void Body::testLinks( float h )
 {
@@ -141,7 +238,21 @@ void Body::testLinks( float h )
 		return CellPositions( m_nodes, m_levels->cut(), b.refinementStates.update( *m_lattice, m_levels->cut(), m_levels->version() ) );
 	};
 	bool hasBegun = false;
-	if ( b.planes )
+	if ( b.shards )
+	{
+		b.sinceTest += h;
+		const float waves = std::sqrt( m_material.youngsModulus / m_material.density );
+		if ( b.shards->canBreak() && b.sinceTest * waves > kTestDistance * float( b.shards->law().size ) )
+		{
+			b.sinceTest = 0.0f;
+			b.shards->findOverloads( *m_lattice, b.limits, m_levels ? positionsOnLevels() : CellPositions( m_nodes ) );
+			m_levels ? noteCoarseOverloads() : void();
+			const bool isOverloaded = b.shards->run(
+				*m_lattice, b.limits, [this] { return cellPositions(); }, b.broken );
+			b.coolDown = isOverloaded ? kRetryFraction * b.settings.coolDown : b.coolDown; // a crack sets all of it, below
+		}
+	}
+	else if ( b.planes )
 	{
 		b.sinceTest += h;
 		if ( b.planes->count() > 0 && b.sinceTest + 0.5f * h < cellCrackTime( *m_lattice, m_material ) )
@@ -254,15 +365,33 @@ BreakReport Body::reportOn( const std::vector<CellLink>& broken ) const
 	const double d = m_lattice->cellSize;
 	// A link represents a thirteenth of a cell: 26 links per cell, each shared by two.
 	const double energyPerLink = 0.5 * m_material.youngsModulus * d * d * d / 13.0;
+	std::vector<Vec3d> middles;
 	for ( const CellLink& link : broken )
 	{
 		report.area += sharesFace( *m_lattice, link ) ? d * d : 0.0;
 		const int a = nodeOfCell( link.a ), b = nodeOfCell( link.b );
 		if ( a != b )
 		{
+			const Vec3 apart = m_nodes.x.get( b ) - m_nodes.x.get( a );
 			const double rest = ( m_nodes.x0.get( a ) - m_nodes.x0.get( b ) ).norm();
-			const double strain = std::max( 0.0, double( ( m_nodes.x.get( a ) - m_nodes.x.get( b ) ).norm() ) / rest - 1.0 );
+			const double strain = std::max( 0.0, double( apart.norm() ) / rest - 1.0 );
 			report.energy += energyPerLink * strain * strain;
+			report.partingVelocity += double( ( m_nodes.v.get( b ) - m_nodes.v.get( a ) ).dot( apart.stableNormalized() ) );
+			middles.push_back( ( m_nodes.x.get( a ) + 0.5f * apart ).cast<double>() );
+		}
+	}
+	if ( !middles.empty() )
+	{
+		report.partingVelocity /= double( middles.size() );
+		fitPlane( middles, report.point, report.normal );
+	}
+	if ( m_breaking && m_breaking->shards )
+	{
+		report.traces = m_breaking->shards->tracesOf( *m_lattice, broken );
+		for ( const CutTrace& trace : report.traces ) // the border's own area: the lattice's steps have more
+		{
+			const Vec3 axis = ( m_lattice->coordinate[trace.link.b] - m_lattice->coordinate[trace.link.a] ).cast<float>();
+			report.area -= d * d * ( 1.0 - double( std::fabs( trace.normal.dot( axis ) ) ) );
 		}
 	}
 	return report;

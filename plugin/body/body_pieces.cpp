@@ -5,6 +5,7 @@
 #include "body/levels/levels.h"
 #include "lattice/assert_valid.h"
 
+#include "fracture/shards/shard_cracks.h"
 #include "matching/step/lattice_matcher.h"
 
 #include <algorithm>
@@ -335,11 +336,16 @@ void Body::inheritBreaking( const Breaking& from, const BodyPiece& piece )
 	{
 		m_breaking->planes = std::make_unique<PlaneCracks>( *from.planes ); // cracks stay in place
 	}
+	if ( from.shards )
+	{
+		const double fraction = double( piece.cellBefore.size() ) / double( from.shards->shards().size() );
+		m_breaking->shards = std::make_unique<ShardCracks>( *from.shards, *m_lattice, piece.cellBefore, fraction );
+	}
 }
 
 LinkLimits Body::limitsOf( const Breaking& from, const BodyPiece& piece ) const
 {
-	const float strain = from.planes ? from.planes->candidateStrain() : breakStrain( from.settings, m_material );
+	const float strain = from.candidateStrain( breakStrain( from.settings, m_material ) );
 	return inheritLimits( from.limits, *m_lattice, piece.cellBefore, strain );
 }
 

@@ -3,6 +3,7 @@
 // Additional state of a body that can break: the rule, the limit of each link, and the links broken in the last substep. Ohta et al. 2009,
 // "Fracturing".
 
+#include "fracture/cut_links.h"
 #include "fracture/link_limits.h"
 #include "fracture/plane_cracks.h"
 #include "pliant/fracture.h"
@@ -16,6 +17,7 @@
 namespace pliant {
 
 class Body;
+class ShardCracks;
 
 /// The strain at which a link of toughness 1 breaks.
 inline float breakStrain( const Fracture& fracture, const Material& material )
@@ -25,6 +27,9 @@ inline float breakStrain( const Fracture& fracture, const Material& material )
 
 struct Breaking
 {
+	Breaking();
+	~Breaking();
+
 	Fracture settings;
 	LinkLimits limits;
 	std::vector<CellLink> broken;          ///< to be removed, ascending
@@ -32,9 +37,12 @@ struct Breaking
 	float coolDown = 0.0f;                 ///< s until links are tested again, or new cracks may start
 	CellRefinementStates refinementStates; ///< bodies with levels only
 	std::unique_ptr<PlaneCracks> planes;   ///< BreakRule::Plane only
+	std::unique_ptr<ShardCracks> shards;   ///< BreakRule::Shards only
 
-	/// Computes limits and planes for the settings.
-	void prepare( const Lattice& lattice, float strain, std::vector<float> toughness );
+	/// Computes limits and planes for the settings, and adapts shards to the material.
+	void prepare( const Lattice& lattice, const Material& material, std::vector<float> toughness );
+	/// Strain for limitLinks that finds candidates of the rule, which breaks at `strain`.
+	float candidateStrain( float strain ) const;
 };
 
 /// A part of a body that has come apart. Its nodes are a subset of the body's, in the same order.
@@ -58,6 +66,10 @@ struct BreakReport
 	int links = 0;                ///< broken
 	double area = 0.0;            ///< m^2, of one side, from the links between cells that share a face
 	double energy = 0.0;          ///< J, of the broken links: E e^2 / 2 over their fraction of the material
+	Vec3d point = Vec3d::Zero();  ///< middle of the crack, relative to NodeState::origin
+	Vec3d normal = Vec3d::Zero(); ///< of the plane that fits it best; either sign
+	double partingVelocity = 0.0; ///< m/s, mean of both sides
+	std::vector<CutTrace> traces; ///< BreakRule::Shards: borders of shards, by the cells of the body before, mesh coordinates
 	std::vector<CellLink> broken; ///< by the indices of the body before
 	bool hasHealed = false;       ///< links were put back
 	int removedPieces = 0;        ///< SmallPieces::Remove

@@ -2,6 +2,8 @@
 
 // Limits of the fracture settings and tuning constants of the fracture rules.
 
+#include <cstdint>
+
 namespace pliant {
 
 inline constexpr float kLargestBreakStrain = 10.0f;
@@ -43,5 +45,51 @@ inline constexpr double kCrackShield = 3.0;
 inline constexpr float kCrackSpeed = 0.5f;
 /// A crack that has not grown for this time is removed, s.
 inline constexpr float kCrackRest = 0.25f;
+
+inline constexpr float kLargestShard = 1e6f;        // m
+inline constexpr float kLargestToughness = 1e12f;   // J/m^2
+inline constexpr float kLongestGrain = 100.0f;      // length of a shard over its width
+inline constexpr int kMostShardCentres = 100000;    // given by a game
+inline constexpr float kFarthestCentre = 1e6f;      // m, of a shard, from the mesh's origin
+inline constexpr int kMostDebrisPieces = 1000000;   // of a world's budget
+inline constexpr int kMostDebrisNodes = 1000000000; // the same
+inline constexpr int kMostPiecesPerStep = 100000;   // the same
+/// Smallest shard in cells: below it the lattice's steps would be larger than the shard's faces.
+inline constexpr double kLeastShardCells = 2.0;
+/// Size of crumbs over that of shards.
+inline constexpr double kCrumbSize = 1.0 / 3.0;
+/// Mean distance of centres from random sequential adsorption over the least one allowed: between 1.2 in a plane (0.55 of it covered by
+/// discs) and 1.1 in space (0.38 filled by balls).
+inline constexpr double kShardSpacing = 1.15;
+/// Parts of shards with less than this fraction of the mean shard's mass join the neighbour with the widest border: slivers.
+inline constexpr double kSliver = 0.15;
+/// Borders of shards are bent by this amplitude over the shard's size, with this wavelength over it: visibly curved, nowhere folded
+/// (2 pi amplitude / wavelength is below a half).
+inline constexpr double kShardBend = 0.09, kShardWave = 1.7;
+/// Bins along an axis of the grid in which the nearest centre is sought.
+inline constexpr int kMostShardBins = 64;
+/// Steps of the search for a border on a link: to a fiftieth of its length where the border is bent, exact where it is flat.
+inline constexpr int kBorderSteps = 6;
+/// Rings about an impact: sectors of the first ring, growth of a ring's width over its inner radius, largest number, and random shift of
+/// centres over the ring's width and the sector's angle.
+inline constexpr int kFirstSectors = 7;
+inline constexpr double kRingGrowth = 0.35, kSpokeJitter = 0.18;
+/// A border is a spoke where its normal is at more than 45 degrees to the direction of the impact.
+inline constexpr double kSpokeCosine = 0.7;
+inline constexpr std::uint32_t kMostRings = 64;
+/// A crack starts at no border that is nearly parallel to the pull: more than 80 degrees from the plane across it.
+inline constexpr double kStartCosine = 0.17;
+/// A crack stops at borders whose stretch across its plane is less than this fraction of the breaking stretch: they are not pulled apart.
+inline constexpr double kOpensAt = 0.1;
+/// The energy density E e^2 / 2 over the mean of E s^2 / 2, with s the strains of a cell's links: in simple tension e, and a mean over all
+/// directions of cos^4.
+inline constexpr double kLinkEnergyFactor = 5.0;
+
+/// Shards are tested again once sound has crossed this fraction of one: the load on a shard does not change sooner.
+inline constexpr float kTestDistance = 0.5f;
+/// Where the material is overloaded but no crack has the energy to run it is tested again after this fraction of Fracture::coolDown.
+inline constexpr float kRetryFraction = 0.25f;
+/// Area of the lattice's steps over that of a surface of any direction: the mean of | n_x | + | n_y | + | n_z |.
+inline constexpr double kStairs = 1.5;
 
 } // namespace pliant

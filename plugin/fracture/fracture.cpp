@@ -2,6 +2,8 @@
 
 #include "fracture/constants.h"
 
+#include <cmath>
+
 namespace pliant {
 
 namespace {
@@ -16,10 +18,46 @@ Status refuse( const char* sentence )
 	return Status{ ResultCode::BadSettings, sentence };
 }
 
+Status checkShards( const Fracture& fracture )
+{
+	if ( !( fracture.shardSize > 0.0f ) || !within( fracture.shardSize, 0.0f, kLargestShard ) )
+	{
+		return refuse( "Fracture::shardSize must be above 0 and at most 1e6 m." );
+	}
+	if ( !within( fracture.toughness, 0.0f, kLargestToughness ) )
+	{
+		return refuse( "Fracture::toughness must lie in [0, 1e12] J/m^2." );
+	}
+	if ( !within( fracture.crumbFraction, 0.0f, 1.0f ) )
+	{
+		return refuse( "Fracture::crumbFraction must lie in [0, 1]." );
+	}
+	if ( fracture.shardPattern != ShardPattern::Scattered && fracture.shardPattern != ShardPattern::Rings )
+	{
+		return refuse( "Fracture::shardPattern must be Scattered or Rings." );
+	}
+	if ( !within( fracture.grainLength, 1.0f, kLongestGrain ) )
+	{
+		return refuse( "Fracture::grainLength must lie in [1, 100]." );
+	}
+	for ( const float component : fracture.grain )
+	{
+		if ( !std::isfinite( component ) )
+		{
+			return refuse( "Fracture::grain must be finite." );
+		}
+	}
+	return {};
+}
+
 } // namespace
 
 Status check( const Fracture& fracture )
 {
+	if ( fracture.rule < BreakRule::Never || fracture.rule > BreakRule::Shards )
+	{
+		return refuse( "Fracture::rule must be one of BreakRule." );
+	}
 	if ( !( fracture.breakStrain > 0.0f ) || !within( fracture.breakStrain, 0.0f, kLargestBreakStrain ) )
 	{
 		return refuse( "Fracture::breakStrain must be above 0 and at most 10." );
@@ -36,6 +74,10 @@ Status check( const Fracture& fracture )
 	{
 		return refuse( "Fracture::growthFraction must be above 0 and at most 1." );
 	}
+	if ( Status status = checkShards( fracture ); !status.ok() )
+	{
+		return status;
+	}
 	if ( fracture.smallCells < 0 || fracture.smallCells > kLargestSmallPiece )
 	{
 		return refuse( "Fracture::smallCells must lie in 0 to 1 000 000." );
@@ -47,6 +89,27 @@ Status check( const Fracture& fracture )
 	if ( fracture.maxPieces < 1 || fracture.maxPieces > kMaxPieces )
 	{
 		return refuse( "Fracture::maxPieces must lie in 1 to 100 000." );
+	}
+	return {};
+}
+
+Status check( const DebrisBudget& budget )
+{
+	if ( budget.maxPieces < 0 || budget.maxPieces > kMostDebrisPieces )
+	{
+		return refuse( "DebrisBudget::maxPieces must lie in 0 to 1 000 000." );
+	}
+	if ( budget.maxNodes < 0 || budget.maxNodes > kMostDebrisNodes )
+	{
+		return refuse( "DebrisBudget::maxNodes must lie in 0 to 1 000 000 000." );
+	}
+	if ( !( budget.fadeTime > 0.0f ) || !within( budget.fadeTime, 0.0f, kLongestFade ) )
+	{
+		return refuse( "DebrisBudget::fadeTime must be above 0 and at most 3600 s." );
+	}
+	if ( budget.piecesPerStep < 0 || budget.piecesPerStep > kMostPiecesPerStep )
+	{
+		return refuse( "DebrisBudget::piecesPerStep must lie in 0 to 100 000." );
 	}
 	return {};
 }

@@ -15,12 +15,36 @@ float limitSquared( const Lattice& lattice, std::uint32_t a, std::uint32_t b, fl
 	return longest * longest;
 }
 
+/// Toughness of the link from the lower cell to the higher.
+float toughnessOf( const LinkLimits& limits, std::uint32_t a, std::uint32_t b )
+{
+	const auto row = limits.to.begin() + limits.start[a], end = limits.to.begin() + limits.start[a + 1];
+	return limits.toughness[std::size_t( std::lower_bound( row, end, b ) - limits.to.begin() )];
+}
+
 void findWeakest( LinkLimits& limits )
 {
 	limits.weakest = limits.toughness.empty() ? 1.0f : *std::min_element( limits.toughness.begin(), limits.toughness.end() );
 }
 
 } // namespace
+
+double toughnessAlong( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, const Vec3d& normal )
+{
+	if ( limits.toughness.empty() )
+	{
+		return 1.0;
+	}
+	double sum = 0.0, weights = 0.0;
+	for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
+	{
+		const std::uint32_t j = lattice.linkTo[k];
+		const double along = ( lattice.restCentre[j] - lattice.restCentre[cell] ).cast<double>().normalized().dot( normal );
+		sum += along * along * toughnessOf( limits, std::min( cell, j ), std::max( cell, j ) );
+		weights += along * along;
+	}
+	return sum / weights;
+}
 
 LinkLimits limitLinks( const Lattice& lattice, float strain, std::vector<float> toughness )
 {

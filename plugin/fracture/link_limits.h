@@ -27,6 +27,9 @@ struct LinkLimits
 	}
 };
 
+/// The toughness of a cell against a pull along `normal`: the mean over its links, weighted by their alignment with the pull.
+double toughnessAlong( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, const Vec3d& normal );
+
 /// Returns the limits ( 1 + strain toughness ) L with rest lengths L. `toughness`: one per link in the order of LinkLimits; empty: 1.
 LinkLimits limitLinks( const Lattice& lattice, float strain, std::vector<float> toughness );
 

@@ -13,17 +13,6 @@ namespace {
 /// Rounding error of an excess, a float.
 constexpr double kRoundedFraction = 1e-6;
 
-/// Toughness of the link from the lower cell to the higher.
-float toughnessOf( const LinkLimits& limits, std::uint32_t a, std::uint32_t b )
-{
-	if ( limits.toughness.empty() )
-	{
-		return 1.0f;
-	}
-	const auto row = limits.to.begin() + limits.start[a], end = limits.to.begin() + limits.start[a + 1];
-	return limits.toughness[std::size_t( std::lower_bound( row, end, b ) - limits.to.begin() )];
-}
-
 } // namespace
 
 float PlaneCracks::candidateStrain() const
@@ -125,20 +114,7 @@ PlaneCracks::Pull PlaneCracks::measure(
 	{
 		found.normal = -found.normal; // both signs are valid; one is chosen
 	}
-	double toughness = 1.0;
-	if ( !limits.toughness.empty() )
-	{
-		// The toughness is the mean over the links, weighted by their alignment with the pull.
-		double sum = 0.0, weights = 0.0;
-		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
-		{
-			const std::uint32_t j = lattice.linkTo[k];
-			const double along = ( lattice.restCentre[j] - lattice.restCentre[i] ).cast<double>().normalized().dot( found.normal );
-			sum += along * along * toughnessOf( limits, std::min( i, j ), std::max( i, j ) );
-			weights += along * along;
-		}
-		toughness = sum / weights;
-	}
+	const double toughness = toughnessAlong( lattice, limits, i, found.normal );
 	found.excess = float( stretch.strain / ( double( m_breakStrain ) * toughness * double( overload.strainFactor ) ) );
 	return found;
 }

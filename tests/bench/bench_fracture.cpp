@@ -120,6 +120,7 @@ void fractureThrown( benchmark::State& state )
 		Fracture fracture;
 		fracture.rule = BreakRule( state.range( 0 ) );
 		fracture.breakStrain = 1e-3f * float( state.range( 1 ) );
+		fracture.shardSize = 0.14f;
 		static_cast<void>( body->setFracture( fracture ) );
 		static_cast<void>( body->setVelocities( btVector3( 1, -20, 0 ), btVector3( 1, 2, 1 ) ) );
 		body->surface();
@@ -161,6 +162,7 @@ BENCHMARK( fractureThrown )
 	->Args( { 1, 7, 1, 0 } )
 	->Args( { 1, 9, 1, 0 } )
 	->Args( { 2, 10, 1, 0 } )
+	->Args( { 3, 10, 1, 0 } )
 	->Args( { 1, 7, 2, 0 } )
 	->Args( { 2, 10, 2, 0 } )
 	->Args( { 1, 7, 1, 1 } )

@@ -13,7 +13,7 @@ void dropsExperiment( int count )
 				 "share on one, on two,\nand on two whose nodes are split where they touch\n\n"
 				 "| rule, step, break strain | uniform | 1 level | 2 levels | 2, on contact |\n|---|---|---|---|---|\n",
 		count );
-	for ( const BreakRule rule : { BreakRule::Plane, BreakRule::Distance } )
+	for ( const BreakRule rule : { BreakRule::Plane, BreakRule::Distance, BreakRule::Shards } )
 	{
 		for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 		{
@@ -29,7 +29,7 @@ void dropsExperiment( int count )
 						links[k] += test::linksBrokenBy( drops[k], unsigned( seed ) );
 					}
 				}
-				std::printf( "| %s, %s, %.2f | %.0f | %.2f | %.2f | %.2f |\n", rule == BreakRule::Plane ? "plane" : "distance",
+				std::printf( "| %s, %s, %.2f | %.0f | %.2f | %.2f | %.2f |\n", rule == BreakRule::Plane ? "plane" : rule == BreakRule::Shards ? "shards" : "distance",
 					elasticity == Elasticity::Explicit ? "explicit" : "implicit", double( strain ), double( links[0] ) / count,
 					double( links[1] ) / links[0], double( links[2] ) / links[0], double( links[3] ) / links[0] );
 				std::fflush( stdout );

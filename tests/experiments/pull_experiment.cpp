@@ -13,7 +13,7 @@ namespace {
 
 void pullBars( BreakRule rule, bool rings )
 {
-	const char* const name = rule == BreakRule::Plane ? "plane" : "distance";
+	const char* const name = rule == BreakRule::Plane ? "plane" : rule == BreakRule::Shards ? "shards" : "distance";
 	double low = 1e9, high = 0.0, tilt = 0.0;
 	for ( int levels = 0; levels <= 2; ++levels )
 	{
@@ -44,6 +44,7 @@ void pullExperiment()
 			rings ? "nothing damped" : "wobble damped as by default" );
 		pullBars( BreakRule::Plane, rings );
 		pullBars( BreakRule::Distance, rings );
+		pullBars( BreakRule::Shards, rings );
 	}
 }
 

@@ -34,6 +34,7 @@ const std::vector<std::vector<const char*>> kSubfolders = {
 	{ "plugin/adapt/octree/", "plugin/adapt/regions/", "plugin/adapt/moments/" },
 	{ "plugin/matching/kernels/", "plugin/matching/", "plugin/matching/regions/", "plugin/matching/clusters/", "plugin/matching/step/",
 		"plugin/matching/implicit/" },
+	{ "plugin/fracture/", "plugin/fracture/shards/" },
 	{ "plugin/surface/kernels/", "plugin/surface/skin/", "plugin/surface/crack_shapes/", "plugin/surface/crack_complex/",
 		"plugin/surface/crack_state/", "plugin/surface/crack_mesh/" },
 	{ "plugin/body/levels/", "plugin/body/" },

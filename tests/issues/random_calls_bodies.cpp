@@ -214,9 +214,11 @@ void RandomCalls::breaking()
 		return;
 	}
 	Fracture fracture;
-	const BreakRule rules[] = { BreakRule::Never, BreakRule::Distance, BreakRule::Plane };
+	const BreakRule rules[] = { BreakRule::Never, BreakRule::Distance, BreakRule::Plane, BreakRule::Shards };
 	const SmallPieces small[] = { SmallPieces::Keep, SmallPieces::Fade, SmallPieces::Remove };
-	fracture.rule = rules[below( 3 )];
+	fracture.rule = rules[below( 4 )];
+	fracture.crumbFraction = float( some( 0, 1 ) ) / 10;
+	fracture.shardPattern = oneIn( 3 ) ? ShardPattern::Rings : ShardPattern::Scattered;
 	fracture.breakStrain = float( some( -1, 1 ) ) / 4;
 	fracture.smallPieces = small[below( 3 )];
 	fracture.fadeTime = float( some( 0, 1 ) ) / 10;

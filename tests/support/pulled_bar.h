@@ -23,7 +23,8 @@ struct PulledBar
 	int coarseLevels = 0;
 	BreakRule rule = BreakRule::Plane;
 	float breakStrain = 0.1f;
-	bool rings = false; ///< without Material::wobbleDamping, so that oscillations after a change of levels persist
+	bool rings = false;     ///< without Material::wobbleDamping, so that oscillations after a change of levels persist
+	float shardSize = 0.2f; ///< m, BreakRule::Shards; a cell is .05
 };
 
 struct PullResult
@@ -164,6 +165,7 @@ private:
 		Fracture fracture;
 		fracture.rule = bar.rule;
 		fracture.breakStrain = bar.breakStrain;
+		fracture.shardSize = bar.shardSize;
 		static_cast<void>( m_body->setFracture( fracture, field ) );
 	}
 

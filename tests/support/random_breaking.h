@@ -36,7 +36,9 @@ public:
 		Result<std::unique_ptr<Body>> made = Body::create( m_whole, material, {}, nullptr, settings );
 		EXPECT_TRUE( made.ok() ) << made.status.sentence;
 		Fracture fracture;
-		fracture.rule = seed % 2 == 0 ? BreakRule::Plane : BreakRule::Distance;
+		fracture.rule = seed % 8 >= 6 ? BreakRule::Shards : seed % 2 == 0 ? BreakRule::Plane : BreakRule::Distance;
+		fracture.shardSize = 0.25f;
+		fracture.crumbFraction = 0.2f;
 		fracture.breakStrain = 0.15f;
 		fracture.coolDown = 0.0f;
 		fracture.smallCells = int( seed % 7 ) * 4;

@@ -18,7 +18,20 @@ enum class BreakRule : int
 	Distance,
 	/// When the largest stretch of a region exceeds the limit set by strength or breakStrain, all its links that cross the plane normal to
 	/// that stretch break at once, and a crack continues in the plane in which it began. Cracks follow the load, not the lattice.
-	Plane
+	Plane,
+	/// The body is divided into shards ahead (Fracture::shardSize), which nothing shows until it breaks. Where the largest stretch exceeds
+	/// the limit set by strength or breakStrain, a crack runs between shards, across that stretch, until a free surface or until it has
+	/// used up the strain energy of the shards beside it (Fracture::toughness). Crack faces are the smooth borders of the shards.
+	Shards
+};
+
+/// BreakRule::Shards: how the shards are arranged.
+enum class ShardPattern : int
+{
+	Scattered, ///< at random, of about equal size. Default. Longer along Fracture::grain where that is set.
+	/// In rings around the place that breaks first, larger further away, and in sectors: glass. Fracture::grain is the axis of the rings;
+	/// zero: the direction in which the body is thinnest.
+	Rings
 };
 
 /// What happens to pieces of at most Fracture::smallCells cells.
@@ -49,6 +62,22 @@ struct Fracture
 	/// bodies break into few large pieces.
 	float growthFraction = 1.0f;
 
+	/// BreakRule::Shards: mean size of a shard, m, (0, 1e6]; at most half of the body's longest side is used, and at least two cells.
+	float shardSize = 0.1f;
+	/// BreakRule::Shards: energy that a crack takes for its area, J/m^2, [0, 1e12]. Higher values make fewer and larger pieces. 0: as much
+	/// as shards of shardSize hold at kRunsAt of the breaking stretch, so that a crack runs through a loaded body.
+	float toughness = 0.0f;
+	/// BreakRule::Shards: largest fraction of the body's mass that may become crumbs, small pieces of about a third of shardSize where an
+	/// impact leaves more energy than cracks between shards use up, 0 to 1.
+	float crumbFraction = 0.0f;
+	/// BreakRule::Shards: seed of the arrangement, any number. The same seed gives the same shards.
+	unsigned shardSeed = 1;
+	ShardPattern shardPattern = ShardPattern::Scattered; ///< BreakRule::Shards: their arrangement
+	/// BreakRule::Shards: direction of the grain, mesh coordinates, of any length; zero: none. See ShardPattern.
+	float grain[3] = { 0.0f, 0.0f, 0.0f };
+	/// ShardPattern::Scattered with a grain: length of a shard along it over its width, [1, 100].
+	float grainLength = 4.0f;
+
 	/// Pieces of at most this many finest cells are small, 0 to 1 000 000.
 	int smallCells = 0;
 	/// What happens to them.
@@ -69,6 +98,37 @@ struct ToughnessField
 	float ( *fraction )( const float* point, const float* direction, void* context ) = nullptr;
 	void* context = nullptr; ///< passed to `fraction`; used only during the call that sets the field
 };
+
+/// BreakRule::Shards: centres of shards that the game gives, instead of an arrangement by ShardPattern. A cell belongs to the shard whose
+/// centre is nearest.
+struct ShardCentres
+{
+	/// 3 floats each, mesh coordinates, m, finite. Read only during the call that sets them. Null: none.
+	const float* points = nullptr;
+	int count = 0; ///< 0: none; otherwise 2 to 100 000
+	/// The shard of each centre, at least 0; centres of one number make one shard together, so that shards may have any shape. Null: each
+	/// centre is a shard.
+	const int* shards = nullptr;
+};
+
+/// BreakRule::Shards: fraction of the breaking stretch at which a crack still runs through a body, with Fracture::toughness 0.
+inline constexpr float kRunsAt = 0.3f;
+
+/// Limits of what has come off the bodies of one world (SoftBodyHost::setDebrisBudget). Pieces over the budget fade and are removed, those
+/// first that are oldest for their number of nodes; never bodies marked by SoftBody::setKept, nor pieces that the game has taken
+/// (SoftBodyHost::releaseFragment).
+struct DebrisBudget
+{
+	int maxPieces = 0;     ///< pieces that the world owns, 0 to 1 000 000; 0: any number. Default.
+	int maxNodes = 0;      ///< nodes of these, 0 to 1 000 000 000; 0: any number. Default.
+	float fadeTime = 1.0f; ///< time in which a piece over the budget fades, s, (0, 3600]
+	/// Pieces that may come off a body in one game step, 0 to 100 000; 0: any number. Default. Parts that are cracked off but over this
+	/// budget stay in the body, where nothing holds them, and come off in the next steps.
+	int piecesPerStep = 0;
+};
+
+/// Returns Ok, or BadSettings with a sentence about the first value that is out of its range (NaN included).
+PLIANT_API Status check( const DebrisBudget& budget );
 
 /// Returns Ok, or BadSettings with a sentence about the first setting that is out of its range (NaN included).
 PLIANT_API Status check( const Fracture& fracture );

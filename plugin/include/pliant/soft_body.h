@@ -122,10 +122,11 @@ public:
 	[[nodiscard]] int finestLevel() const;
 
 	// --- breaking (Fracture); off by default; pieces inherit the settings of their body -----------------------------------------------
-	/// Sets whether and how links between cells break. `toughness` is called once for every link. Errors: BadSettings for settings out of
-	/// range and for another method than Method::Lattice; BadArgument for a toughness not above 0; OutOfMemory. A build without
-	/// Feature::Fracture ignores settings with BreakRule::Never and refuses all others (BadArgument).
-	Status setFracture( const Fracture& fracture, const ToughnessField& toughness = {} );
+	/// Sets whether and how links between cells break. `toughness` is called once for every link; `centres` are for BreakRule::Shards and
+	/// not looked at by others. Errors: BadSettings for settings out of range and for another method than Method::Lattice; BadArgument for
+	/// a toughness not above 0 and for bad centres; OutOfMemory. A build without Feature::Fracture ignores settings with BreakRule::Never
+	/// and refuses all others (BadArgument).
+	Status setFracture( const Fracture& fracture, const ToughnessField& toughness = {}, const ShardCentres& centres = {} );
 	/// The settings of the last setFracture; BreakRule::Never when there was none.
 	[[nodiscard]] Fracture fracture() const;
 	/// Makes ahead of time what the first crack of a body has to make, which is most of its cost: data that bodies of one template share
@@ -153,8 +154,13 @@ public:
 	/// The inverse: restores cut or broken links of the template between cells of this body that are at most `reach` times their rest
 	/// distance apart, from the next substep on. Returns their number. Restored links have toughness 1.
 	int heal( btScalar reach = btScalar( 1.2 ) );
-	/// SmallPieces::Fade: falls from 1 when the piece separates to 0 when its time is up. 1 for all other bodies.
+	/// SmallPieces::Fade and DebrisBudget: falls from 1 when the piece separates, or when it is found to be over the budget, to 0 when its
+	/// time is up. 1 for all other bodies.
 	[[nodiscard]] float fadeFraction() const;
+	/// Whether the world's DebrisBudget leaves the body alone; its pieces inherit it. Default false.
+	void setKept( bool isKept );
+	/// The value last set.
+	[[nodiscard]] bool isKept() const;
 
 	// --- motion. Refused with BadArgument: bad numbers, a node index out of range, and what would give a node more than 1e5 m/s along an
 	// --- axis: at once by velocities and impulses, within 1/60 s by forces and gravity.

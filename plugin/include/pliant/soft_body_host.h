@@ -107,6 +107,11 @@ public:
 	/// Makes the fragment the game's to delete; it stays in the world. So does removing it from the world. Deleting a fragment that
 	/// belongs to the world is legal too. False for what is no fragment of this world's.
 	bool releaseFragment( SoftBody* fragment );
+	/// Limits what comes off bodies; what is over the budget fades from the next step on. BadSettings for values out of range; BadArgument
+	/// in a build without Feature::Fracture for anything but the default.
+	Status setDebrisBudget( const DebrisBudget& budget );
+	/// The budget last set.
+	[[nodiscard]] DebrisBudget debrisBudget() const;
 
 	/// Sets the soft substeps per step of 1/60 s while an explicit soft body is awake, clamped to 1 to 64, default 4. Stiff materials and
 	/// longer steps raise their number by themselves up to maxSoftSubsteps.

@@ -39,6 +39,9 @@ struct StepReport
 	int brokenLinks = 0;          ///< between finest cells
 	int fragments = 0;            ///< bodies that came off others
 	int removedPieces = 0;        ///< small pieces that were not made, or have faded (SmallPieces)
+	int debrisPieces = 0;         ///< pieces that the world owns, those that fade included (DebrisBudget)
+	int debrisNodes = 0;          ///< their nodes
+	int debrisFading = 0;         ///< pieces that began to fade in this step because they are over the budget
 	int quarantined = 0;          ///< bodies that stand still because a number in them stopped being finite
 	int unreachableStiffness = 0; ///< bodies whose Young's modulus was out of reach: raise maxSoftSubsteps or regionHalfWidth
 };
@@ -52,6 +55,9 @@ struct FractureEvent
 	int links = 0;                    ///< broken, between finest cells
 	double area = 0;                  ///< of the crack, one side, m^2
 	double energy = 0;                ///< J, that the broken links held
+	double point[3] = { 0, 0, 0 };    ///< middle of the crack, world coordinates, m
+	double normal[3] = { 0, 0, 0 };   ///< of the plane that fits the crack best, of unit length, either sign; zero where nothing broke
+	double partingVelocity = 0;       ///< mean velocity at which the two sides part, m/s; below 0 where they approach
 	int removedPieces = 0;            ///< SmallPieces::Remove
 	double removedMass = 0;           ///< kg
 };

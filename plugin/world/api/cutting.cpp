@@ -45,19 +45,6 @@ std::vector<Eigen::Quaternionf> cellRotations( const Body& body, const std::vect
 	return rotations;
 }
 
-/// Stores the traces in terms of the template's cells and rest shape.
-void noteTraces( SoftBody::Impl& impl, std::vector<CutTrace> traces )
-{
-	const std::vector<std::uint32_t>& first = impl.body->firstCells();
-	const Vec3 shift = ( impl.body->lattice().massCentre - impl.bodyTemplate->lattice().massCentre ).cast<float>();
-	for ( CutTrace& trace : traces )
-	{
-		trace.link = first.empty() ? trace.link : CellLink{ first[trace.link.a], first[trace.link.b] };
-		trace.point += shift;
-		impl.newCuts.push_back( trace );
-	}
-}
-
 template <class Cut>
 int cutBody( SoftBody& soft, const Cut& cut )
 {
@@ -72,7 +59,9 @@ int cutBody( SoftBody& soft, const Cut& cut )
 		{
 			if ( soft.impl().bodyTemplate->skin().kind != Skinning::None )
 			{
-				noteTraces( soft.impl(), tracesOf( body.lattice(), positions, links, local, cellRotations( body, links ) ) );
+				const Vec3d shift = body.lattice().massCentre - soft.impl().bodyTemplate->lattice().massCentre;
+				soft.impl().noteTraces(
+					tracesOf( body.lattice(), positions, links, local, cellRotations( body, links ) ), shift.cast<float>() );
 			}
 			soft.activate( true );
 		}

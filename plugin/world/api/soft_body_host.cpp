@@ -106,6 +106,11 @@ bool SoftBodyHost::releaseFragment( SoftBody* fragment )
 	return fragment && m_step->bodies.release( *fragment );
 }
 
+DebrisBudget SoftBodyHost::debrisBudget() const
+{
+	return m_step->bodies.debris;
+}
+
 btDiscreteDynamicsWorld& SoftBodyHost::bulletWorld() const
 {
 	return m_step->world();

@@ -125,6 +125,17 @@ void SoftBody::Impl::noteCuts()
 	}
 }
 
+void SoftBody::Impl::noteTraces( std::vector<CutTrace> traces, const Vec3& shift )
+{
+	const std::vector<std::uint32_t>& first = body->firstCells();
+	for ( CutTrace& trace : traces )
+	{
+		trace.link = first.empty() ? trace.link : CellLink{ first[trace.link.a], first[trace.link.b] };
+		trace.point += shift;
+		newCuts.push_back( trace );
+	}
+}
+
 void SoftBody::Impl::makeSharedCrackState()
 {
 	if ( !crackFamily && body->firstCells().empty() && bodyTemplate->crackPatches() )
@@ -158,6 +169,10 @@ void SoftBody::Impl::noteCracks( const BreakReport& report )
 	if ( skin.frame > 0 ) // its skin has been read
 	{
 		makeSharedCrackState();
+	}
+	if ( bodyTemplate->skin().kind != Skinning::None )
+	{
+		noteTraces( report.traces, -bodyTemplate->lattice().massCentre.cast<float>() );
 	}
 	noteCuts();
 	if ( report.hasHealed )

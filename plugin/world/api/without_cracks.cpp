@@ -23,6 +23,8 @@ void SoftBody::Impl::noteCracks( const BreakReport& )
 	newCuts.clear();
 }
 
+void SoftBody::Impl::noteTraces( std::vector<CutTrace>, const Vec3& ) {}
+
 Status SoftBody::prepareCracks()
 {
 	return requireFeature( hasFeature( Feature::Fracture ) ? Feature::Surface : Feature::Fracture );

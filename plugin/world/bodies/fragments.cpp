@@ -143,6 +143,7 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	impl.cuts = from.cuts;
 	impl.skin.tolerance = from.skin.tolerance;
 	impl.fading = from.fading;
+	impl.isKept = from.isKept;
 	impl.self = from.self ? std::make_unique<SelfCollision>() : nullptr;
 	const Fracture& settings = impl.body->fracture();
 	if ( piece.isSmall && settings.smallPieces == SmallPieces::Fade && impl.fading.time == 0.0f )
@@ -170,7 +171,8 @@ bool SoftBodySystem::breakBodies()
 	std::vector<Broken> broken;
 	for ( SoftBody* body : m_awake )
 	{
-		if ( body->impl().body->hasBrokenLinks() )
+		const SoftBody::Impl& impl = body->impl();
+		if ( impl.body->hasBrokenLinks() || ( impl.partsWait && partsNow( 0, 1 ) > 1 ) )
 		{
 			broken.push_back( {} );
 			broken.back().body = body;
@@ -190,9 +192,11 @@ bool SoftBodySystem::breakBodies()
 			impl.changeNodes(
 				*each.body, [&impl] { impl.body->refineToBreak(); }, false ); // no fade: adopt() would discard it
 		}
-		const int most = impl.body->fracture().maxPieces - ( impl.family ? *impl.family - 1 : 0 );
+		const int most = std::max( 1, impl.body->fracture().maxPieces - ( impl.family ? *impl.family - 1 : 0 ) );
+		const int now = partsNow( k, int( broken.size() ) );
 		attachments.noteChange( *each.body ); // breakApart leaves no positions
-		each.pieces = impl.body->breakApart( each.report, std::max( 1, most ) );
+		each.pieces = impl.body->breakApart( each.report, std::min( most, now ) );
+		impl.partsWait = !each.pieces.front().isOnePart && now < most;
 	};
 	runTasks( tasks(), int( broken.size() ), breakOne );
 	for ( const Broken& each : broken )
@@ -251,6 +255,9 @@ void SoftBodySystem::settlePieces( Broken& broken )
 	event.links = broken.report.links;
 	event.area = broken.report.area;
 	event.energy = broken.report.energy;
+	Eigen::Map<Vec3d>( event.point ) = impl.body->nodes().origin + broken.report.point;
+	Eigen::Map<Vec3d>( event.normal ) = broken.report.normal;
+	event.partingVelocity = broken.report.partingVelocity;
 	event.removedPieces = broken.report.removedPieces;
 	event.removedMass = broken.report.removedMass;
 	if ( broken.pieces.size() > 1 && !impl.family )
@@ -274,7 +281,7 @@ void SoftBodySystem::settlePieces( Broken& broken )
 	report.brokenLinks += event.links;
 	report.fragments += int( event.fragments.size() );
 	report.removedPieces += event.removedPieces;
-	if ( event.links > 0 ) // otherwise links were only restored
+	if ( event.links > 0 || !event.fragments.empty() ) // otherwise links were only restored
 	{
 		events.push_back( std::move( event ) );
 	}
@@ -289,7 +296,9 @@ void SoftBodySystem::addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fr
 	const btBroadphaseProxy* const proxy = parent.getBroadphaseHandle();
 	m_world.addCollisionObject( piece, proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask );
 	impl.isWorldOwned = true;
+	impl.separatedAt = m_clock;
 	owned.push_back( piece );
+	m_piecesLeft = std::max( 0, m_piecesLeft - 1 );
 
 	// The fragment inherits the parent's separated pairs with their slack, and is paired with the parent.
 	impl.separatedPairs = parent.impl().separatedPairs;
@@ -379,9 +388,9 @@ void SoftBodySystem::testLinks( btScalar h )
 	runTasks( tasks(), int( testing.size() ), test );
 }
 
-Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField& toughness )
+Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField& toughness, const ShardCentres& centres )
 {
-	Status status = m_impl->body->setFracture( fracture, toughness );
+	Status status = m_impl->body->setFracture( fracture, toughness, centres );
 	m_impl->mustDeform = true;
 	if ( status.ok() && fracture.rule != BreakRule::Never )
 	{

@@ -152,6 +152,9 @@ struct SoftBody::Impl
 	mutable std::vector<SeparatedPair> separatedPairs; ///< ascending by serial
 	mutable PenetrationAllowance allowance;            ///< updated by collision detection
 	Fading fading;
+	double separatedAt = 0.0;                      ///< time of the world at which the piece came off, s
+	bool isKept = false;                           ///< the world's DebrisBudget leaves it alone
+	bool partsWait = false;                        ///< it is in several parts, which the step's budget of pieces did not let come off
 	std::unique_ptr<NodeShape> previousShape;      ///< contact proxies of lost nodes point to its spheres until the next collision phase
 	std::shared_ptr<SharedCrackState> crackFamily; ///< null: it was not drawn when it broke, or links were healed
 	std::vector<CutTrace> newCuts;                 ///< cuts whose links are to break
@@ -247,6 +250,8 @@ struct SoftBody::Impl
 	bool isDrawn() const { return wasDrawn || skin.frame > 0; }
 	/// Adds the new cuts to those of the family. Call before adopt().
 	void noteCuts();
+	/// Adds traces of links that are to break, by the body's cells. `shift`: from their points to the template's rest shape, m.
+	void noteTraces( std::vector<CutTrace> traces, const Vec3& shift );
 	void makeSharedCrackState();
 	void noteCracks( const BreakReport& report );
 

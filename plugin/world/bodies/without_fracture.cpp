@@ -2,11 +2,11 @@
 
 #include "lattice/features.h"
 #include "world/bodies/soft_body_impl.h"
-#include "world/step/soft_body_system.h"
+#include "world/step/world_step.h"
 
 namespace pliant {
 
-Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField& )
+Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField&, const ShardCentres& )
 {
 	return fracture.rule == BreakRule::Never ? Status{} : requireFeature( Feature::Fracture );
 }
@@ -53,6 +53,23 @@ bool SoftBodySystem::release( SoftBody& )
 
 void SoftBodySystem::testLinks( btScalar ) {}
 void SoftBodySystem::advanceFading( btScalar ) {}
+void SoftBodySystem::limitDebris( btScalar ) {}
+Status SoftBodyHost::setDebrisBudget( const DebrisBudget& budget )
+{
+	const bool isUsed = budget.maxPieces != 0 || budget.maxNodes != 0 || budget.piecesPerStep != 0;
+	return isUsed ? requireFeature( Feature::Fracture ) : Status{};
+}
+
+void SoftBody::setKept( bool isKept )
+{
+	m_impl->isKept = isKept;
+}
+
+bool SoftBody::isKept() const
+{
+	return m_impl->isKept;
+}
+
 void SoftBodySystem::removeFaded() {}
 
 } // namespace pliant

@@ -77,6 +77,7 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 	report.softBodies = int( m_bodies.size() );
 	report.removedPieces = removedSinceStep;
 	advanceFading( gameStep );
+	limitDebris( gameStep );
 	countNodes();
 	moveHeldBodies();
 	const btVector3 gravity = m_world.getGravity();

@@ -116,6 +116,7 @@ public:
 	std::vector<FractureEvent> events;
 	Attachments attachments;
 	std::vector<SoftBody*> owned; ///< fragments that the game has not released
+	DebrisBudget debris;
 
 	void releasePinsTo( const btRigidBody& body );
 	void releaseLostPins( SoftBody& body, bool isAdded );
@@ -161,6 +162,8 @@ private:
 	void makeFragments( std::vector<Broken>& broken );
 	void settlePieces( Broken& broken );
 	void advanceFading( btScalar gameStep );
+	void limitDebris( btScalar gameStep );
+	int partsNow( int k, int count ) const;
 	void addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fragment );
 	void adaptLevels( btScalar h );
 	void requestContactSplits( SoftBody::Impl& impl ); ///< Adaptivity::refinesOnContact
@@ -209,6 +212,8 @@ private:
 	int m_contactsBefore = 0;            ///< StepReport::softContacts of the previous pass
 	std::vector<SoftBody*> m_substepped; ///< scratch of planSubsteps
 	unsigned m_serials = 0;
+	double m_clock = 0.0; ///< s of steps so far
+	int m_piecesLeft = 0; ///< of DebrisBudget::piecesPerStep
 };
 
 } // namespace pliant

@@ -57,7 +57,7 @@ TEST( RandomImpacts, BreakingAddsNoEnergy )
 	int broken = 0;
 	for ( const Ground ground : { Ground::Floor, Ground::Box, Ground::SoftWithLevels } )
 	{
-		for ( const BreakRule rule : { BreakRule::Distance, BreakRule::Plane } )
+		for ( const BreakRule rule : { BreakRule::Distance, BreakRule::Plane, BreakRule::Shards } )
 		{
 			for ( unsigned seed = 0; seed < 12; ++seed )
 			{
@@ -68,7 +68,7 @@ TEST( RandomImpacts, BreakingAddsNoEnergy )
 			}
 		}
 	}
-	std::printf( "%d of 72 have broken\n", broken );
+	std::printf( "%d of 108 have broken\n", broken );
 	EXPECT_GT( broken, 12 );
 }
 

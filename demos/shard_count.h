@@ -1,0 +1,24 @@
+#pragma once
+
+// What became of bodies that broke: counts, sizes and times for a scene's findings.
+
+#include "demos/scene.h"
+
+namespace pliant_demos {
+
+class ShardCount
+{
+public:
+	/// Called after each step.
+	void note( const Stage& stage, double seconds );
+	/// One row: pieces, of how many 90 % of the mass consist, fraction of the mass in pieces of at most `smallCells`, links, area, energy,
+	/// time of the first crack, and times of steps.
+	FindingTable table( const Stage& stage, const char* name, int smallCells ) const;
+
+private:
+	int m_links = 0, m_pieces = 0, m_removed = 0;
+	double m_area = 0, m_energy = 0, m_firstCrack = 0, m_longestFracture = 0;
+	std::vector<double> m_steps; ///< s, from the first crack on
+};
+
+} // namespace pliant_demos

@@ -1,0 +1,117 @@
+#include "fracture/shards/shard_cracks.h"
+
+#include "fracture/constants.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <tuple>
+#include <utility>
+
+namespace pliant {
+
+void ShardCracks::findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions )
+{
+	m_overloads.clear();
+	m_moments.update( lattice, positions );
+	std::vector<std::uint32_t> stretched;
+	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
+	{
+		for ( std::uint32_t k = limits.start[i]; m_moments.isNode( i ) && k < limits.start[i + 1]; ++k )
+		{
+			const std::uint32_t j = limits.to[k];
+			if ( m_moments.isNode( j ) && m_moments.distanceSquared( i, j ) > limits.lengthSquared[k] )
+			{
+				stretched.push_back( i );
+				stretched.push_back( j );
+			}
+		}
+	}
+	std::sort( stretched.begin(), stretched.end() );
+	stretched.erase( std::unique( stretched.begin(), stretched.end() ), stretched.end() );
+	const double strength = double( m_law.breakStrain );
+	for ( const std::uint32_t i : stretched )
+	{
+		if ( !positions.mayBreak( i ) || isStretchedLess( m_moments.of( i ).deformation(), strength * double( limits.weakest ) ) )
+		{
+			continue;
+		}
+		const Stretch near = largestStretch( m_moments.of( i ).deformation() );
+		const double factor = strength * double( positions.strainFactor( i ) );
+		const double nearExcess = near.strain / ( factor * toughnessAlong( lattice, limits, i, near.axis ) );
+		if ( !( nearExcess > 1.0 ) )
+		{
+			continue;
+		}
+		// The measure over the neighbours as well: otherwise every step of a slanted surface would be a notch. A neck breaks in any case.
+		const Stretch wide = largestStretch( m_moments.around( i ).deformation() );
+		const double neck = nearExcess > double( kNeckFactor ) ? 1.0 + nearExcess - double( kNeckFactor ) : 0.0;
+		const double excess = std::max( wide.strain / ( factor * toughnessAlong( lattice, limits, i, wide.axis ) ), neck );
+		if ( excess > 1.0 )
+		{
+			m_overloads.push_back( ShardOverload{ i, float( excess ), wide.axis } );
+		}
+	}
+}
+
+void ShardCracks::noteOverload( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, const Eigen::Matrix3d& deformation )
+{
+	const Stretch stretch = largestStretch( deformation );
+	const double excess = stretch.strain / ( double( m_law.breakStrain ) * toughnessAlong( lattice, limits, cell, stretch.axis ) );
+	if ( excess > 1.0 )
+	{
+		m_overloads.push_back( ShardOverload{ cell, float( excess ), stretch.axis } );
+	}
+}
+
+bool ShardCracks::run(
+	const Lattice& lattice, const LinkLimits& limits, const std::function<std::vector<Vec3d>()>& positions, std::vector<CellLink>& broken )
+{
+	if ( m_overloads.empty() )
+	{
+		return false;
+	}
+	std::sort( m_overloads.begin(), m_overloads.end(),
+		[]( const ShardOverload& a, const ShardOverload& b ) { return std::tie( b.excess, a.cell ) < std::tie( a.excess, b.cell ); } );
+	const bool isImpact = m_awaitsImpact;
+	const std::uint32_t impact = m_overloads.front().cell;
+	if ( isImpact )
+	{
+		divide( lattice, lattice.massCentre + lattice.restCentre[impact].cast<double>(), {} );
+	}
+	const std::vector<Vec3d> at = positions();
+	ShardEvent event( lattice, limits, m_shard, at, m_law );
+	isImpact ? event.runAround( impact ) : void();
+	for ( const ShardOverload& overload : m_overloads )
+	{
+		event.runFrom( overload );
+	}
+	std::vector<std::uint8_t> isCrumb;
+	if ( !m_crumb.empty() && m_crumbMass > 0.0 )
+	{
+		isCrumb = event.crumble( m_crumb, m_overloads, m_crumbMass );
+		for ( std::size_t cell = 0; cell < isCrumb.size(); ++cell )
+		{
+			m_shard[cell] = isCrumb[cell] != 0 ? m_crumb[cell] : m_shard[cell];
+		}
+		findOne();
+	}
+	for ( std::uint32_t a = 0; a < std::uint32_t( lattice.cellCount() ); ++a )
+	{
+		for ( std::uint32_t k = limits.start[a]; k < limits.start[a + 1]; ++k )
+		{
+			const std::uint32_t b = limits.to[k];
+			const bool isTough = !limits.toughness.empty() && std::isinf( limits.toughness[k] );
+			const bool comesOff = !isCrumb.empty() && ( isCrumb[a] | isCrumb[b] ) != 0 && m_shard[a] != m_shard[b];
+			if ( !isTough && ( comesOff || event.isOpen( k ) ) )
+			{
+				broken.push_back( CellLink{ a, b } );
+			}
+		}
+	}
+	return true;
+}
+
+} // namespace pliant

@@ -1,0 +1,105 @@
+#pragma once
+
+// One event of ShardCracks: measures the borders between shards and the strain energy of shards and crumbs, and runs cracks along them.
+
+#include "fracture/link_limits.h"
+#include "lattice/lattice.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace pliant {
+
+/// Settings of BreakRule::Shards for one material.
+struct ShardLaw
+{
+	float breakStrain = 0.0f;
+	double youngsModulus = 0.0; ///< Pa
+	double toughness = 0.0;     ///< J/m^2
+	double size = 0.0;          ///< of shards, m
+};
+
+/// A place where the material is stretched beyond its strength.
+struct ShardOverload
+{
+	std::uint32_t cell;
+	float excess; ///< strain over the break strain
+	Vec3d normal; ///< of the largest stretch, at rest
+};
+
+class ShardEvent
+{
+public:
+	/// `shards`: of each cell. `positions`: of each cell, relative to any origin. All arguments must outlive the event.
+	ShardEvent( const Lattice& lattice, const LinkLimits& limits, const std::vector<std::uint32_t>& shards,
+		const std::vector<Vec3d>& positions, const ShardLaw& law );
+
+	/// Starts a crack at the border of the cell's shard that lies best across the pull, and runs it; nothing where none opens, or where a
+	/// crack of this event unloads the material.
+	void runFrom( const ShardOverload& overload );
+	/// Opens borders all around an impact, the nearest first and those that lead away from it twice as far as those around it, as long as
+	/// the energy of the whole body lasts.
+	void runAround( std::uint32_t impact );
+	/// Returns, by cell, 1 for those that come off as crumbs: where the energy left suffices for a crumb's whole surface, the densest
+	/// first, up to `mass` of cells' fill, which is reduced.
+	std::vector<std::uint8_t> crumble(
+		const std::vector<std::uint32_t>& crumb, const std::vector<ShardOverload>& overloads, double& mass ) const;
+	/// Whether the border that the k-th link of the limits crosses is open; false for links within a shard.
+	bool isOpen( std::size_t k ) const { return m_borderOfLink[k] != kNone && m_borders[m_borderOfLink[k]].isBroken; }
+
+private:
+	static constexpr std::uint32_t kNone = 0xffffffffu;
+
+	struct Border
+	{
+		std::uint32_t shard[2];                                ///< local numbers, ascending
+		Eigen::Matrix3d now = Eigen::Matrix3d::Zero();         ///< sum p q^T over its links
+		Eigen::Matrix3d rest = Eigen::Matrix3d::Zero();        ///< sum q q^T
+		Eigen::Matrix3d deformation = Eigen::Matrix3d::Zero(); ///< F
+		Vec3d across = Vec3d::Zero();                          ///< its area times its normal, towards the second shard, m^2
+		Vec3d middle = Vec3d::Zero();                          ///< at rest
+		double toughness = 0.0;                                ///< factor on the break strain, the mean over links that can break
+		int links = 0;                                         ///< that can break
+		bool isBroken = false;
+		unsigned visit = 0; ///< the crack that last looked at it
+	};
+	struct Crack
+	{
+		Vec3d point, normal; ///< at rest
+		Vec3d low, high;     ///< bounding box of its borders' middles
+	};
+
+	Vec3d rest( std::uint32_t cell ) const { return m_lattice.restCentre[cell].cast<double>(); }
+	double costOf( const Border& border ) const;
+	void numberShards( const std::vector<std::uint32_t>& number );
+	/// E e^2 / 2 a volume, from the strains of each cell's links (kLinkEnergyFactor).
+	void measureEnergy();
+	std::uint32_t borderBetween( std::uint32_t a, std::uint32_t b );
+	void findBorders();
+	void addLink( Border& border, std::uint32_t a, std::uint32_t b, double toughness );
+	/// Stretch across a plane, in break strains of the border.
+	double pullOn( const Border& border, const Vec3d& normal ) const;
+	/// Whether the border opens in a crack across `normal`.
+	bool opens( const Border& border, const Vec3d& normal ) const;
+	void open( Border& border );
+	/// A crack unloads the material beside it over a distance of its length, less where the load is many times what it takes.
+	bool isShielded( const ShardOverload& overload ) const;
+	/// The border of the cell's shard that lies best across the pull; kNone where none opens.
+	std::uint32_t startOf( const ShardOverload& overload ) const;
+	bool isCrossed( const Border& border, const Crack& crack ) const;
+
+	const Lattice& m_lattice;
+	const LinkLimits& m_limits;
+	const std::vector<Vec3d>& m_at;
+	const ShardLaw& m_law;
+	std::vector<std::uint32_t> m_shard;   ///< by cell: local number
+	std::vector<double> m_energy, m_left; ///< by shard, J: all, and what cracks have not used
+	std::vector<Vec3d> m_centre;          ///< by shard, at rest
+	std::vector<double> m_cellEnergy;     ///< J
+	std::vector<Border> m_borders;
+	std::vector<std::vector<std::uint32_t>> m_bordersOf; ///< by shard
+	std::vector<std::uint32_t> m_borderOfLink;           ///< by link of the limits
+	std::vector<Crack> m_cracks;
+};
+
+} // namespace pliant
