@@ -15,10 +15,10 @@ namespace {
 constexpr float kBrickEdges[3] = { 0.24f, 0.12f, 0.12f }; // m
 constexpr int kAlong = 8, kCourses = 9;
 constexpr int kParts = 4; // centres a brick
-constexpr float kCell = 0.06f;
-constexpr btScalar kSpeed = btScalar( 12 ); // m/s
-constexpr btScalar kMass = btScalar( 400 ); // kg
-constexpr int kCrumb = 4;                   // cells
+constexpr float kBrickWallCell = 0.06f;
+constexpr btScalar kBrickWallSpeed = btScalar( 12 ); // m/s
+constexpr btScalar kMass = btScalar( 400 );          // kg
+constexpr int kBrickWallCrumb = 4;                   // cells
 
 class BrickWall : public Scene
 {
@@ -31,7 +31,7 @@ public:
 		SoftOrder order;
 		order.name = "wall";
 		order.mesh = &mesh;
-		order.cellSize = kCell;
+		order.cellSize = kBrickWallCell;
 		order.place.setOrigin( btVector3( 0, btScalar( edges[1] ) / 2, 0 ) );
 		order.material.density = 1800.0f;
 		order.material.youngsModulus = 2.0e6f;
@@ -47,7 +47,7 @@ public:
 		pliant::Fracture fracture;
 		fracture.rule = pliant::BreakRule::Shards;
 		fracture.breakStrain = 0.02f;
-		fracture.smallCells = kCrumb;
+		fracture.smallCells = kBrickWallCrumb;
 		fracture.smallPieces = pliant::SmallPieces::Rigid;
 		const std::vector<float> points = brickCentres( edges );
 		const pliant::ShardCentres bricks{ points.data(), int( points.size() / 3 ), m_brick.data() };
@@ -57,13 +57,13 @@ public:
 		}
 		btRigidBody* const truck = stage.addBox( btVector3( btScalar( 0.7 ), btScalar( 0.6 ), btScalar( 0.9 ) ),
 			btTransform( btQuaternion::getIdentity(), btVector3( btScalar( 0.1 ), btScalar( 0.34 ), btScalar( 1.6 ) ) ), kMass, kSlate );
-		truck->setLinearVelocity( btVector3( 0, 0, -kSpeed ) );
+		truck->setLinearVelocity( btVector3( 0, 0, -kBrickWallSpeed ) );
 		return true;
 	}
 
 	void afterStep( Stage& stage, double seconds ) override { m_count.note( stage, seconds ); }
 
-	std::vector<FindingTable> findings( const Stage& stage ) const override { return { m_count.table( stage, "wall", kCrumb ) }; }
+	std::vector<FindingTable> findings( const Stage& stage ) const override { return { m_count.table( stage, "wall", kBrickWallCrumb ) }; }
 
 	double duration() const override { return 2.0; }
 	int slowness() const override { return 2; }

@@ -13,14 +13,14 @@ namespace pliant_demos {
 namespace {
 
 constexpr float kWidth = 1.2f, kHeight = 0.9f, kThickness = 0.02f; // m
-constexpr float kCell = 0.02f;                                     // m
+constexpr float kGlassPaneCell = 0.02f;                            // m
 constexpr btScalar kFoot = btScalar( 0.25 );                       // m, under the pane
 constexpr btScalar kFrame = btScalar( 0.06 );                      // m thick
 constexpr btScalar kHold = btScalar( 0.03 );                       // m of the pane that the frame holds
 constexpr btScalar kBall = btScalar( 0.09 );                       // m across
-constexpr btScalar kBallMass = btScalar( 3 );                      // kg
-constexpr btScalar kSpeed = btScalar( 14 );                        // m/s
-constexpr int kCrumb = 6;                                          // cells
+constexpr btScalar kGlassPaneBallMass = btScalar( 3 );             // kg
+constexpr btScalar kGlassPaneSpeed = btScalar( 14 );               // m/s
+constexpr int kGlassPaneCrumb = 6;                                 // cells
 
 class GlassPane : public Scene
 {
@@ -34,7 +34,7 @@ public:
 		SoftOrder order;
 		order.name = "pane";
 		order.mesh = &mesh;
-		order.cellSize = kCell;
+		order.cellSize = kGlassPaneCell;
 		order.place.setOrigin( btVector3( 0, middle, 0 ) );
 		order.material.density = 2500.0f;
 		order.material.youngsModulus = 8.0e6f;
@@ -45,7 +45,7 @@ public:
 		order.fracture.toughness = 2.0f; // cracks run far beyond what the ball punches out
 		order.fracture.shardPattern = pliant::ShardPattern::Rings;
 		order.fracture.crumbFraction = 0.03f;
-		order.fracture.smallCells = kCrumb;
+		order.fracture.smallCells = kGlassPaneCrumb;
 		order.fracture.smallPieces = pliant::SmallPieces::Rigid;
 		order.friction = btScalar( 0.4 );
 		order.colour = { 0.25f, 0.55f, 0.50f };
@@ -60,14 +60,15 @@ public:
 		pane->pinNodesInside( btVector3( half - kHold, 0, -1 ), btVector3( half + 1, 9, 1 ) );
 		pane->pinNodesInside( btVector3( -9, 0, -1 ), btVector3( 9, kFoot + kHold, 1 ) );
 		pane->pinNodesInside( btVector3( -9, top - kHold, -1 ), btVector3( 9, 9, 1 ) );
-		btRigidBody* const ball = stage.addSphere( kBall, btVector3( btScalar( -0.15 ), middle + btScalar( 0.06 ), 1 ), kBallMass, kSlate );
-		ball->setLinearVelocity( btVector3( 0, 1, -kSpeed ) );
+		btRigidBody* const ball = stage.addSphere(
+			kBall, btVector3( btScalar( -0.15 ), middle + btScalar( 0.06 ), 1 ), kGlassPaneBallMass, kSlate );
+		ball->setLinearVelocity( btVector3( 0, 1, -kGlassPaneSpeed ) );
 		return true;
 	}
 
 	void afterStep( Stage& stage, double seconds ) override { m_count.note( stage, seconds ); }
 
-	std::vector<FindingTable> findings( const Stage& stage ) const override { return { m_count.table( stage, "pane", kCrumb ) }; }
+	std::vector<FindingTable> findings( const Stage& stage ) const override { return { m_count.table( stage, "pane", kGlassPaneCrumb ) }; }
 
 	double duration() const override { return 1.5; }
 	int slowness() const override { return 4; }

@@ -15,12 +15,12 @@ namespace pliant_demos {
 namespace {
 
 constexpr float kLength = 1.4f, kThickness = 0.08f, kWidth = 0.2f; // m
-constexpr float kCell = 0.02f;                                     // m
+constexpr float kPlankCell = 0.02f;                                // m
 constexpr btScalar kEdge = btScalar( 0.5 );                        // m, height of the edge
-constexpr btScalar kRate = btScalar( 0.3 );                        // m/s, of the ends
+constexpr btScalar kPlankRate = btScalar( 0.3 );                   // m/s, of the ends
 constexpr btScalar kMostDown = btScalar( 0.38 );                   // m
 constexpr btScalar kGap = btScalar( 0.03 );                        // m, from the hands to the plank at first
-constexpr int kCrumb = 4;                                          // cells
+constexpr int kPlankCrumb = 4;                                     // cells
 
 float woodToughness( const float*, const float* direction, void* )
 {
@@ -38,7 +38,7 @@ public:
 		SoftOrder order;
 		order.name = "plank";
 		order.mesh = &mesh;
-		order.cellSize = kCell;
+		order.cellSize = kPlankCell;
 		order.place.setOrigin( btVector3( 0, kEdge + btScalar( kThickness ) / 2, 0 ) );
 		order.material.density = 600.0f;
 		order.material.youngsModulus = 2.0e7f;
@@ -50,7 +50,7 @@ public:
 		order.fracture.grain[0] = 1.0f;
 		order.fracture.grainLength = 4.0f;
 		order.fracture.toughness = 8.0f;
-		order.fracture.smallCells = kCrumb;
+		order.fracture.smallCells = kPlankCrumb;
 		order.fracture.smallPieces = pliant::SmallPieces::Rigid;
 		order.toughness.fraction = woodToughness;
 		order.friction = btScalar( 0.6 );
@@ -71,7 +71,7 @@ public:
 
 	void beforeStep( Stage&, double ) override
 	{
-		m_down = std::min( m_down + kRate / 60, kMostDown );
+		m_down = std::min( m_down + kPlankRate / 60, kMostDown );
 		for ( int side = 0; side < 2; ++side )
 		{
 			Stage::moveBody( m_hand[side], handPlace( side ) );
@@ -80,7 +80,7 @@ public:
 
 	void afterStep( Stage& stage, double seconds ) override { m_count.note( stage, seconds ); }
 
-	std::vector<FindingTable> findings( const Stage& stage ) const override { return { m_count.table( stage, "plank", kCrumb ) }; }
+	std::vector<FindingTable> findings( const Stage& stage ) const override { return { m_count.table( stage, "plank", kPlankCrumb ) }; }
 
 	double duration() const override { return 2.0; }
 	int slowness() const override { return 2; }

@@ -20,7 +20,7 @@ constexpr btScalar kBallMass = btScalar( 60 );           // kg: of iron, and hol
 constexpr btScalar kFallsFrom = btScalar( 1.8 );         // m
 constexpr btScalar kVaseShatterAside = btScalar( 0.02 ); // m beside the axis: nothing breaks evenly
 constexpr int kCrumb = 6;                                // cells: smaller pieces are rigid
-constexpr float kVaseShatterShard = 0.12f;                // m
+constexpr float kVaseShatterShard = 0.12f;               // m
 constexpr int kMostPieces = 200;
 
 /// Outer line from the foot up to the lip: radius and height, m.
