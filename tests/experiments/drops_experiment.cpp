@@ -29,7 +29,10 @@ void dropsExperiment( int count )
 						links[k] += test::linksBrokenBy( drops[k], unsigned( seed ) );
 					}
 				}
-				std::printf( "| %s, %s, %.2f | %.0f | %.2f | %.2f | %.2f |\n", rule == BreakRule::Plane ? "plane" : rule == BreakRule::Shards ? "shards" : "distance",
+				std::printf( "| %s, %s, %.2f | %.0f | %.2f | %.2f | %.2f |\n",
+					rule == BreakRule::Plane        ? "plane"
+						: rule == BreakRule::Shards ? "shards"
+													: "distance",
 					elasticity == Elasticity::Explicit ? "explicit" : "implicit", double( strain ), double( links[0] ) / count,
 					double( links[1] ) / links[0], double( links[2] ) / links[0], double( links[3] ) / links[0] );
 				std::fflush( stdout );
