@@ -31,11 +31,6 @@ double signedFraction( std::uint32_t number, std::uint32_t seed )
 	return double( hashed( number, seed ) ) / 2147483648.0 - 1.0;
 }
 
-Vec3d restOf( const Lattice& lattice, std::size_t cell )
-{
-	return lattice.massCentre + lattice.restCentre[cell].cast<double>();
-}
-
 } // namespace
 
 ShardSpace::ShardSpace( const Vec3d& grain, double length, double bend, double wavelength, unsigned seed ) :

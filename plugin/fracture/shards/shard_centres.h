@@ -10,6 +10,12 @@
 
 namespace pliant {
 
+/// Returns a cell's centre of mass in mesh coordinates, m.
+inline Vec3d restOf( const Lattice& lattice, std::size_t cell )
+{
+	return lattice.massCentre + lattice.restCentre[cell].cast<double>();
+}
+
 /// The space in which the nearest centre is sought. Positions are in the mesh's coordinates.
 class ShardSpace
 {

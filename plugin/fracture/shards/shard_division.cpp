@@ -13,11 +13,6 @@ namespace pliant {
 
 namespace {
 
-Vec3d restOf( const Lattice& lattice, std::size_t cell )
-{
-	return lattice.massCentre + lattice.restCentre[cell].cast<double>();
-}
-
 double longestSide( const Lattice& lattice )
 {
 	Vec3 low = lattice.restCentre.front(), high = low;
