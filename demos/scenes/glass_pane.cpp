@@ -12,15 +12,15 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr float kWidth = 1.2f, kHeight = 0.9f, kThickness = 0.02f; // m
-constexpr float kGlassPaneCell = 0.02f;                            // m
-constexpr btScalar kFoot = btScalar( 0.25 );                       // m, under the pane
-constexpr btScalar kFrame = btScalar( 0.06 );                      // m thick
-constexpr btScalar kHold = btScalar( 0.03 );                       // m of the pane that the frame holds
-constexpr btScalar kBall = btScalar( 0.09 );                       // m across
-constexpr btScalar kGlassPaneBallMass = btScalar( 3 );             // kg
-constexpr btScalar kGlassPaneSpeed = btScalar( 14 );               // m/s
-constexpr int kGlassPaneCrumb = 6;                                 // cells
+constexpr float kGlassPaneWidth = 1.2f, kHeight = 0.9f, kGlassPaneThickness = 0.02f; // m
+constexpr float kGlassPaneCell = 0.02f;                                              // m
+constexpr btScalar kFoot = btScalar( 0.25 );                                         // m, under the pane
+constexpr btScalar kFrame = btScalar( 0.06 );                                        // m thick
+constexpr btScalar kHold = btScalar( 0.03 );                                         // m of the pane that the frame holds
+constexpr btScalar kBall = btScalar( 0.09 );                                         // m across
+constexpr btScalar kGlassPaneBallMass = btScalar( 3 );                               // kg
+constexpr btScalar kGlassPaneSpeed = btScalar( 14 );                                 // m/s
+constexpr int kGlassPaneCrumb = 6;                                                   // cells
 
 class GlassPane : public Scene
 {
@@ -30,7 +30,7 @@ public:
 		stage.addGround( btScalar( 0.6 ) );
 		const btScalar middle = kFoot + btScalar( kHeight ) / 2;
 		addFrame( stage, middle );
-		const pliant_glue::ModelMesh mesh = makeBox( { kWidth, kHeight, kThickness }, { 60, 45, 1 } );
+		const pliant_glue::ModelMesh mesh = makeBox( { kGlassPaneWidth, kHeight, kGlassPaneThickness }, { 60, 45, 1 } );
 		SoftOrder order;
 		order.name = "pane";
 		order.mesh = &mesh;
@@ -55,7 +55,7 @@ public:
 		{
 			return false;
 		}
-		const btScalar half = btScalar( kWidth ) / 2, top = kFoot + btScalar( kHeight );
+		const btScalar half = btScalar( kGlassPaneWidth ) / 2, top = kFoot + btScalar( kHeight );
 		pane->pinNodesInside( btVector3( -half - 1, 0, -1 ), btVector3( -half + kHold, 9, 1 ) );
 		pane->pinNodesInside( btVector3( half - kHold, 0, -1 ), btVector3( half + 1, 9, 1 ) );
 		pane->pinNodesInside( btVector3( -9, 0, -1 ), btVector3( 9, kFoot + kHold, 1 ) );
@@ -78,9 +78,9 @@ public:
 private:
 	static void addFrame( Stage& stage, btScalar middle )
 	{
-		const btScalar across = btScalar( kWidth ) + 2 * kFrame, depth = btScalar( 0.1 );
+		const btScalar across = btScalar( kGlassPaneWidth ) + 2 * kFrame, depth = btScalar( 0.1 );
 		const auto at = []( btScalar x, btScalar y ) { return btTransform( btQuaternion::getIdentity(), btVector3( x, y, 0 ) ); };
-		const btScalar side = ( btScalar( kWidth ) + kFrame ) / 2, rise = ( btScalar( kHeight ) + kFrame ) / 2;
+		const btScalar side = ( btScalar( kGlassPaneWidth ) + kFrame ) / 2, rise = ( btScalar( kHeight ) + kFrame ) / 2;
 		stage.addBox( btVector3( across, kFrame, depth ), at( 0, middle - rise ), 0, kOak );
 		stage.addBox( btVector3( across, kFrame, depth ), at( 0, middle + rise ), 0, kOak );
 		stage.addBox( btVector3( kFrame, btScalar( kHeight ), depth ), at( -side, middle ), 0, kOak );

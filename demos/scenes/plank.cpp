@@ -14,13 +14,13 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr float kLength = 1.4f, kThickness = 0.08f, kWidth = 0.2f; // m
-constexpr float kPlankCell = 0.02f;                                // m
-constexpr btScalar kEdge = btScalar( 0.5 );                        // m, height of the edge
-constexpr btScalar kPlankRate = btScalar( 0.3 );                   // m/s, of the ends
-constexpr btScalar kMostDown = btScalar( 0.38 );                   // m
-constexpr btScalar kGap = btScalar( 0.03 );                        // m, from the hands to the plank at first
-constexpr int kPlankCrumb = 4;                                     // cells
+constexpr float kLength = 1.4f, kPlankThickness = 0.08f, kPlankWidth = 0.2f; // m
+constexpr float kPlankCell = 0.02f;                                          // m
+constexpr btScalar kEdge = btScalar( 0.5 );                                  // m, height of the edge
+constexpr btScalar kPlankRate = btScalar( 0.3 );                             // m/s, of the ends
+constexpr btScalar kMostDown = btScalar( 0.38 );                             // m
+constexpr btScalar kGap = btScalar( 0.03 );                                  // m, from the hands to the plank at first
+constexpr int kPlankCrumb = 4;                                               // cells
 
 float woodToughness( const float*, const float* direction, void* )
 {
@@ -34,12 +34,12 @@ public:
 	bool init( Stage& stage ) override
 	{
 		stage.addGround( btScalar( 0.6 ) );
-		const pliant_glue::ModelMesh mesh = makeBox( { kLength, kThickness, kWidth }, { 70, 4, 10 } );
+		const pliant_glue::ModelMesh mesh = makeBox( { kLength, kPlankThickness, kPlankWidth }, { 70, 4, 10 } );
 		SoftOrder order;
 		order.name = "plank";
 		order.mesh = &mesh;
 		order.cellSize = kPlankCell;
-		order.place.setOrigin( btVector3( 0, kEdge + btScalar( kThickness ) / 2, 0 ) );
+		order.place.setOrigin( btVector3( 0, kEdge + btScalar( kPlankThickness ) / 2, 0 ) );
 		order.material.density = 600.0f;
 		order.material.youngsModulus = 2.0e7f;
 		order.material.elasticity = pliant::Elasticity::Implicit; // it is bent slowly
@@ -92,7 +92,7 @@ private:
 	{
 		const btScalar x = ( btScalar( kLength ) / 2 - btScalar( 0.08 ) ) * btScalar( side == 0 ? -1 : 1 );
 		return btTransform(
-			btQuaternion::getIdentity(), btVector3( x, kEdge + btScalar( kThickness ) + kHand.y() / 2 + kGap - m_down, 0 ) );
+			btQuaternion::getIdentity(), btVector3( x, kEdge + btScalar( kPlankThickness ) + kHand.y() / 2 + kGap - m_down, 0 ) );
 	}
 
 	const btVector3 kHand = btVector3( btScalar( 0.06 ), btScalar( 0.06 ), btScalar( 0.3 ) );
