@@ -296,6 +296,7 @@ void SoftBodySystem::addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fr
 	const btBroadphaseProxy* const proxy = parent.getBroadphaseHandle();
 	m_world.addCollisionObject( piece, proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask );
 	impl.isWorldOwned = true;
+	impl.plan = planOf( *piece, m_gameStep, substepsOf( parent ) ); // a rigid piece of an implicit body steps explicitly
 	impl.separatedAt = m_clock;
 	owned.push_back( piece );
 	m_piecesLeft = std::max( 0, m_piecesLeft - 1 );
