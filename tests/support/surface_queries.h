@@ -294,22 +294,20 @@ inline QueryTally sweepBalls( const btCollisionWorld& world, const SoftBody& bod
 		NodeSweep sweep( from, to, body );
 		world.convexSweepTest(
 			&ball, btTransform( btQuaternion::getIdentity(), from ), btTransform( btQuaternion::getIdentity(), to ), sweep );
-		const double radius = double( ball.getRadius() ), fraction = drawn.ball( from, to, radius );
+		// One that grazes the surface passes by a hair's breadth, or does not: a little larger it meets it earlier, a little smaller later.
+		const double radius = double( ball.getRadius() ), hair = 1e-4 * radius + 2e-5, length = double( ( to - from ).length() );
+		const double earliest = drawn.ball( from, to, radius + hair ), latest = drawn.ball( from, to, radius - hair );
 		++tally.asked;
 		tally.hits += sweep.hasHit() ? 1 : 0;
-		if ( sweep.hasHit() != ( fraction <= 1.0 ) )
+		if ( sweep.hasHit() ? earliest > 1.0 : latest <= 1.0 )
 		{
-			// One that grazes the surface passes by a hair's breadth, or does not.
-			const bool grazes = ( drawn.ball( from, to, radius * 1.0001 + 1e-5 ) <= 1.0 ) !=
-				( drawn.ball( from, to, radius * 0.9999 - 1e-5 ) <= 1.0 );
-			tally.different += grazes ? 0 : 1;
+			++tally.different;
 		}
 		else if ( sweep.hasHit() )
 		{
-			const double length = double( ( to - from ).length() );
-			tally.worstDistance = std::max( tally.worstDistance, std::abs( double( sweep.m_closestHitFraction ) - fraction ) * length );
-			tally.wrongNodes += nodeError( body, sweep.child, sweep.m_hitPointWorld ) > 1e-3 * double( body.bodyTemplate().cellSize() ) ? 1
-																																		: 0;
+			const double fraction = double( sweep.m_closestHitFraction ), tenth = 0.1 * double( body.bodyTemplate().cellSize() );
+			tally.worstDistance = std::max( { tally.worstDistance, ( earliest - fraction ) * length, ( fraction - latest ) * length } );
+			tally.wrongNodes += nodeError( body, sweep.child, sweep.m_hitPointWorld ) > 0.01 * tenth ? 1 : 0;
 		}
 	}
 	return tally;

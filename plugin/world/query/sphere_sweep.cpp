@@ -67,7 +67,7 @@ bool meets( const Vec3d& from, const Vec3d& along, const Vec3d ( &corner )[3], d
 	return true;
 }
 
-// Ericson 2005, section 5.1.5, by the regions of the triangle's corners and edges.
+// The foot of the perpendicular where that is within the triangle, else the nearest point of an edge.
 Vec3d nearestWeights( const Vec3d& to, const Vec3d ( &corner )[3] )
 {
 	const Vec3d area = ( corner[1] - corner[0] ).cross( corner[2] - corner[0] );

@@ -79,10 +79,27 @@ struct SweepCall : btTriangleConvexcastCallback
 					smooth = surface.smoothNormal( index, nearestWeights( surface.inNodes( at ), corner ), face );
 		const btVector3 outwards = m_triangleToWorld.getBasis() * toBt( smooth );
 		const btScalar cosine = outwards.dot( normal );
-		const btVector3 shown = btFabs( cosine ) < btScalar( kSmoothCosine ) ? normal : cosine < 0 ? btVector3( -outwards ) : outwards;
+		// A smooth surface has one normal; Bullet's for small triangles can be far off. At an edge there are all those between its faces.
+		const bool isEdge = !isSmooth( index, face ) && btFabs( cosine ) < btScalar( kSmoothCosine );
+		const bool isFromBehind = cosine < 0;
+		const btVector3 shown = isEdge ? normal : isFromBehind ? btVector3( -outwards ) : outwards;
 		m_hitFraction = btMin( m_hitFraction, sweep.reportHit( shown, point, fraction, -1, surface.childNear( at ) ) );
 		limit = double( m_hitFraction );
 		return m_hitFraction;
+	}
+
+	bool isSmooth( int triangle, const Vec3d& face ) const
+	{
+		const std::vector<float>& normals = surface.m_surface.normals;
+		for ( int k = 0; k < 3 && !normals.empty(); ++k )
+		{
+			const std::size_t vertex = surface.m_surface.view.indices[3 * std::size_t( triangle ) + std::size_t( k )];
+			if ( Eigen::Map<const Vec3>( normals.data() + 3 * vertex ).cast<double>().dot( face ) < kSmoothCosine )
+			{
+				return false;
+			}
+		}
+		return !normals.empty();
 	}
 
 	const SurfaceShape& surface;

@@ -4,6 +4,8 @@
 #include "test_meshes.h"
 #include "world/test_world.h"
 
+#include "world/bodies/soft_body_impl.h"
+
 #include <cstdio>
 
 namespace pliant {
@@ -22,6 +24,9 @@ std::shared_ptr<const BodyTemplate> made( const test::Mesh& mesh, Skinning skinn
 	settings.skinning = skinning;
 	return BodyTemplate::build( mesh.view(), settings ).value;
 }
+
+const btSphereShape kSmallBall( btScalar( 0.005 ) ), kLargeBall( btScalar( 0.2 ) );
+const btBoxShape kSweptBox( btVector3( btScalar( 0.1 ), btScalar( 0.05 ), btScalar( 0.08 ) ) );
 
 /// Rests on a narrow stand until it hangs down on both sides.
 void bend( TestWorld& t )
@@ -54,6 +59,51 @@ TEST( SurfaceQueries, MeetAWholeBody )
 	expectDrawn( "ball", t, *t.addSoft( made( test::makeSphere( 0.5, 24, 48 ) ), at( 0, 0, 0 ) ) );
 	const btTransform turned( btQuaternion( btVector3( 1, 2, 3 ).normalized(), btScalar( 0.7 ) ), btVector3( 5, 0, 0 ) );
 	expectDrawn( "turned box", t, *t.addSoft( made( test::makeBox( { -0.5, -0.3, -0.4 }, { 0.5, 0.3, 0.4 } ) ), turned ) );
+}
+
+// A ball's normals point from its middle, whatever its triangles are.
+TEST( SurfaceQueries, HaveTheNormalsOfASmoothSurface )
+{
+	TestWorld t;
+	t.world.setGravity( btVector3( 0, 0, 0 ) );
+	const SoftBody* const ball = t.addSoft( made( test::makeSphere( 0.5, 24, 48 ) ), at( 0, 0, 0 ) );
+	double worstRay = 0.0, worstSweep = 0.0;
+	test::RandomPaths paths( *ball, 3 );
+	for ( int k = 0; k < 200; ++k )
+	{
+		btVector3 from, to;
+		paths.next( from, to );
+		test::NodeRay ray( from, to, *ball );
+		t.world.rayTest( from, to, ray );
+		const auto degreesOff = []( const btVector3& normal, const btVector3& point ) {
+			return std::acos( std::min( 1.0, double( normal.dot( point.normalized() ) ) ) ) * 57.29578;
+		};
+		worstRay = ray.hasHit() ? std::max( worstRay, degreesOff( ray.m_hitNormalWorld, ray.m_hitPointWorld ) ) : worstRay;
+		for ( const btConvexShape* const shape : std::initializer_list<const btConvexShape*>{ &kSmallBall, &kLargeBall, &kSweptBox } )
+		{
+			test::NodeSweep sweep( from, to, *ball );
+			t.world.convexSweepTest( shape, at( from.x(), from.y(), from.z() ), at( to.x(), to.y(), to.z() ), sweep );
+			worstSweep = sweep.hasHit() ? std::max( worstSweep, degreesOff( sweep.m_hitNormalWorld, sweep.m_hitPointWorld ) ) : worstSweep;
+		}
+	}
+	std::printf( "normals off by %.2f degrees, of sweeps %.2f\n", worstRay, worstSweep );
+	EXPECT_LT( worstRay, 5.0 );
+	EXPECT_LT( worstSweep, 5.0 );
+}
+
+// Vertices are placed for who asks, and for no one else.
+TEST( SurfaceQueries, CostNothingWhereNothingAsks )
+{
+	TestWorld t;
+	t.addFloor();
+	const SoftBody* const soft = t.addSoft( made( test::makeSphere( 0.3, 12, 24 ) ), at( 0, btScalar( 0.4 ), 0 ) );
+	t.addBox( 1, btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ), at( 0, 1, 0 ) );
+	t.run( 30 );
+	EXPECT_EQ( soft->impl().queried->surface().bytes(), 0u );
+	test::NodeRay ray( btVector3( 0, 2, 0 ), btVector3( 0, 0, 0 ), *soft );
+	t.world.rayTest( ray.m_rayFromWorld, ray.m_rayToWorld, ray );
+	EXPECT_TRUE( ray.hasHit() );
+	EXPECT_GT( soft->impl().queried->surface().bytes(), 0u );
 }
 
 TEST( SurfaceQueries, MeetABentBody )
