@@ -10,17 +10,18 @@ namespace pliant::experiment {
 
 void thingsExperiment( int count )
 {
-	std::puts( "block     step       thrown   sunk   deepest, sizes   sick blocks" );
+	std::puts( "block     step       thrown   sunk   lost   deepest, sizes   sick blocks" );
 	for ( const Elasticity elasticity : { Elasticity::Implicit, Elasticity::Explicit } )
 	{
 		for ( const test::Struck kind : { test::Struck::Whole, test::Struck::Loaded, test::Struck::Cracked } )
 		{
 			const test::ThrownThings tally = test::throwThings( kind, elasticity, count, 1 );
-			std::printf( "%-8s  %-8s  %7d  %5d  %15.2f  %12d\n",
+			std::printf( "%-8s  %-8s  %7d  %5d  %5d  %15.2f  %12d\n",
 				kind == test::Struck::Whole        ? "whole"
 					: kind == test::Struck::Loaded ? "loaded"
 												   : "cracked",
-				elasticity == Elasticity::Implicit ? "implicit" : "explicit", tally.thrown, tally.sunk, tally.deepest, tally.sick );
+				elasticity == Elasticity::Implicit ? "implicit" : "explicit", tally.thrown, tally.sunk, tally.lost, tally.deepest,
+				tally.sick );
 		}
 	}
 }

@@ -24,7 +24,10 @@ enum class Struck : int
 
 struct ThrownThings
 {
-	int thrown = 0, sunk = 0, sick = 0;
+	int thrown = 0;
+	int sunk = 0; ///< whose centre is below the drawn surface
+	int lost = 0; ///< and by more than a tenth of a cell, to which that surface is met
+	int sick = 0;
 	double deepest = 0.0; ///< of a centre below the drawn surface, in sizes of the thing
 };
 
@@ -96,6 +99,7 @@ public:
 			const double depth = drawn.contains( centre ) ? drawn.distance( centre ) / thing.size : 0.0;
 			++tally.thrown;
 			tally.sunk += depth > 0.05 ? 1 : 0;
+			tally.lost += depth * thing.size > 0.1 * double( kCell ) ? 1 : 0;
 			tally.deepest = std::max( tally.deepest, depth );
 		}
 		tally.sick += m_soft->isHealthy() ? 0 : 1;

@@ -4,24 +4,89 @@
 #include "world/constants.h"
 #include "world/query/surface_shape.h"
 
+#include <BulletCollision/CollisionDispatch/btCollisionWorld.h>
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 
 #include <algorithm>
+#include <cstring>
 
 namespace pliant {
+
+namespace {
+
+/// The class of a callback, by its table of virtual functions: Bullet may be built without run-time type information.
+const void* classOf( const btTriangleCallback& callback )
+{
+	const void* table = nullptr;
+	std::memcpy( &table, static_cast<const void*>( &callback ), sizeof table );
+	return table;
+}
+
+/// A concave shape that remembers the class of the last callback.
+struct ProbeShape : btConcaveShape
+{
+	ProbeShape() { m_shapeType = CUSTOM_CONCAVE_SHAPE_TYPE; }
+	void processAllTriangles( btTriangleCallback* callback, const btVector3&, const btVector3& ) const override
+	{
+		seen = classOf( *callback );
+	}
+	void getAabb( const btTransform&, btVector3& low, btVector3& high ) const override
+	{
+		low.setValue( -1, -1, -1 );
+		high = -low;
+	}
+	void setLocalScaling( const btVector3& ) override {}
+	const btVector3& getLocalScaling() const override { return scaling; }
+	void calculateLocalInertia( btScalar, btVector3& ) const override {}
+	const char* getName() const override { return "PliantProbe"; }
+
+	btVector3 scaling = btVector3( 1, 1, 1 );
+	mutable const void* seen = nullptr;
+};
+
+/// The classes by which Bullet casts rays and sweeps at a concave shape, which are private to it: found out by a cast of each kind.
+struct CastClasses
+{
+	CastClasses()
+	{
+		ProbeShape probe;
+		btCollisionObject object;
+		object.setCollisionShape( &probe );
+		const btVector3 from( 0, 2, 0 ), to( 0, -2, 0 );
+		const btTransform still = btTransform::getIdentity(), start( still.getBasis(), from ), end( still.getBasis(), to );
+		btCollisionWorld::ClosestRayResultCallback closestRay( from, to );
+		btCollisionWorld::rayTestSingle( start, end, &object, &probe, still, closestRay );
+		ray = probe.seen;
+		const btSphereShape ball( btScalar( 0.1 ) );
+		btCollisionWorld::ClosestConvexResultCallback closestSweep( from, to );
+		btCollisionWorld::objectQuerySingle( &ball, start, end, &object, &probe, still, closestSweep, 0 );
+		sweep = probe.seen;
+	}
+	const void* ray = nullptr;
+	const void* sweep = nullptr;
+};
+
+const CastClasses& castClasses()
+{
+	static const CastClasses classes;
+	return classes;
+}
+
+} // namespace
 
 void SurfaceShape::processAllTriangles( btTriangleCallback* callback, const btVector3& low, const btVector3& high ) const
 {
 	now();
-	if ( auto* const ray = dynamic_cast<btTriangleRaycastCallback*>( callback ) )
+	const void* const kind = classOf( *callback );
+	if ( kind == castClasses().ray )
 	{
-		castRay( *ray );
+		castRay( *static_cast<btTriangleRaycastCallback*>( callback ) );
 	}
-	else if ( auto* const sweep = dynamic_cast<btTriangleConvexcastCallback*>( callback ) )
+	else if ( kind == castClasses().sweep )
 	{
-		castConvex( *sweep );
+		castConvex( *static_cast<btTriangleConvexcastCallback*>( callback ) );
 	}
 	else
 	{
