@@ -56,9 +56,9 @@ private:
 		std::vector<double> seconds;
 	};
 	std::vector<Stage> m_stages = { { "forces", &pliant::StepReport::forces, {} }, { "matching", &pliant::StepReport::matching, {} },
-		{ "spheres", &pliant::StepReport::spheres, {} }, { "collision", &pliant::StepReport::collision, {} },
-		{ "solve", &pliant::StepReport::solve, {} }, { "integrate", &pliant::StepReport::integrate, {} },
-		{ "levels", &pliant::StepReport::levels, {} }, { "fracture", &pliant::StepReport::fracture, {} } };
+		{ "collision", &pliant::StepReport::collision, {} }, { "solve", &pliant::StepReport::solve, {} },
+		{ "integrate", &pliant::StepReport::integrate, {} }, { "levels", &pliant::StepReport::levels, {} },
+		{ "fracture", &pliant::StepReport::fracture, {} } };
 	std::vector<double> m_wall, m_skinning;
 	int m_maxSoftContacts = 0, m_maxContacts = 0, m_maxSubsteps = 0, m_quarantined = 0, m_unreachable = 0;
 };

@@ -49,7 +49,7 @@ struct Motion
 };
 
 /// Shares of one game step, s; engines that do not tell leave zeros.
-constexpr std::size_t kStageCount = 9;
+constexpr std::size_t kStageCount = 8;
 extern const std::array<const char*, kStageCount> kStageNames;
 using StageTimes = std::array<double, kStageCount>;
 

@@ -15,7 +15,7 @@
 namespace pliant_study {
 
 const std::array<const char*, kStageCount> kStageNames = {
-	"forces", "matching", "spheres", "collision", "solve", "integrate", "levels", "fracture", "skin" };
+	"forces", "matching", "collision", "solve", "integrate", "levels", "fracture", "skin" };
 
 double wholeBodyAlpha( const Specimen& specimen, const pliant::Material& material, double h )
 {
@@ -213,7 +213,7 @@ public:
 	StageTimes stages() const override
 	{
 		const pliant::StepReport& r = m_world.stepReport();
-		return { r.forces, r.matching, r.spheres, r.collision, r.solve, r.integrate, r.levels, r.fracture, r.skinning };
+		return { r.forces, r.matching, r.collision, r.solve, r.integrate, r.levels, r.fracture, r.skinning };
 	}
 
 private:

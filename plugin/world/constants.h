@@ -211,6 +211,24 @@ inline constexpr double kFarthestDrive = 100.0;
 /// Bodies are placed no farther from the origin than this along any axis, m: a float's last bit is 64 m there.
 inline constexpr btScalar kFarthestPosition = btScalar( 1e9 );
 
+// --- Rays, sweeps and contact tests ---
+
+/// The drawn surface is at most this many radii of the largest node beyond the nodes' spheres: corners of cubes are, sqrt( 3 ) - 1, and a
+/// little for the skin, which follows several nodes.
+inline constexpr double kDrawnBeyondSpheres = 0.8;
+/// Corners whose normals are within this cosine of their triangle's, 40 degrees, belong to a smooth surface; others to an edge.
+inline constexpr double kSmoothCosine = 0.766;
+/// A ray meets a triangle up to this weight beyond its borders: rounding of points on a border that two triangles share.
+inline constexpr double kTriangleBorder = 1e-9;
+/// Smallest area, m^2 (squared: m^4), and length that is divided by.
+inline constexpr double kNoArea = 1e-60;
+/// A sphere that may end deeper inside of what it meets than its radius is swept with this fraction of it.
+inline constexpr double kLeastSweptRadius = 1e-3;
+/// Points of a surface whose distances differ by a smaller fraction are equally near: an edge seen from the triangles that share it.
+inline constexpr double kEqualDistance = 1e-6;
+/// A search around a point begins with a node's radius and is doubled at most so many times.
+inline constexpr int kMostDoublings = 40;
+
 // --- Links of multibodies ---
 
 /// A link whose mobility is less than this fraction of that of a free body of its mass is held by its joints or its base.

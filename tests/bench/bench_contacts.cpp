@@ -80,8 +80,8 @@ void measurePile( benchmark::State& state )
 		scene.step( 1 );
 		const StepReport& report = scene.world.stepReport();
 		contacts = double( report.softContacts ) * report.substeps;
-		// Finding and writing contacts, places and spheres, what stands around the solver, and x += h v of all nodes.
-		const double own = pairs + ( report.solve - solver.seconds ) + report.spheres + report.forces + report.integrate;
+		// Finding and writing contacts, places, what stands around the solver, and x += h v of all nodes.
+		const double own = pairs + ( report.solve - solver.seconds ) + report.forces + report.integrate;
 		all.push_back( 1e6 * report.total / contacts );
 		ours.push_back( 1e6 * own / contacts );
 	}

@@ -87,7 +87,7 @@ void fractureShape( benchmark::State& state )
 	for ( auto _ : state )
 	{
 		NodeShape shape( *body );
-		shape.update( body->nodes(), Vec3::Zero() );
+		shape.place( body->nodes(), Vec3::Zero() );
 		benchmark::DoNotOptimize( shape.getNumChildShapes() );
 	}
 }

@@ -15,7 +15,6 @@ void report( benchmark::State& state, SoftBodyWorld& world )
 	state.counters["contacts"] = step.softContacts;
 	state.counters["substeps"] = step.substeps;
 	state.counters["matching_ms"] = step.matching * 1e3;
-	state.counters["spheres_ms"] = step.spheres * 1e3;
 	state.counters["collision_ms"] = step.collision * 1e3;
 	state.counters["solve_ms"] = step.solve * 1e3;
 	state.counters["total_ms"] = step.total * 1e3;

@@ -15,6 +15,8 @@ void impactsExperiment( int count );
 void shattersExperiment( int count );
 /// Writes crack.png and crack_near.png into the working directory.
 void crackExperiment();
+void raysExperiment( int count );
+void thingsExperiment( int count );
 void refineExperiment();
 void bunnyExperiment();
 void nodeExperiment();

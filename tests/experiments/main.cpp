@@ -27,6 +27,8 @@ const Entry kEntries[] = {
 	{ "shots", []( int count ) { shotsExperiment( count ); }, 1000 },
 	{ "impacts", []( int count ) { impactsExperiment( count ); }, 1000 },
 	{ "shatters", []( int count ) { shattersExperiment( count ); }, 400 },
+	{ "things", []( int count ) { thingsExperiment( count ); }, 1700 },
+	{ "rays", []( int count ) { raysExperiment( count ); }, 3000 },
 	{ "crack", []( int ) { crackExperiment(); }, 0 },
 	{ "bunny", []( int ) { bunnyExperiment(); }, 0 },
 	{ "nodes", []( int ) { nodeExperiment(); }, 0 },

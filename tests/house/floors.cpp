@@ -38,9 +38,9 @@ const std::vector<std::vector<const char*>> kSubfolders = {
 	{ "plugin/surface/kernels/", "plugin/surface/skin/", "plugin/surface/crack_shapes/", "plugin/surface/crack_complex/",
 		"plugin/surface/crack_state/", "plugin/surface/crack_mesh/" },
 	{ "plugin/body/levels/", "plugin/body/" },
-	{ "plugin/world/", "plugin/world/shape/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/", "plugin/world/respond/",
-		"plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/", "plugin/world/bodies/",
-		"plugin/world/step/", "plugin/world/api/" },
+	{ "plugin/world/", "plugin/world/shape/", "plugin/world/query/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/",
+		"plugin/world/respond/", "plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/",
+		"plugin/world/bodies/", "plugin/world/step/", "plugin/world/api/" },
 };
 
 constexpr std::size_t kMostFilesOfAFolder = 20;

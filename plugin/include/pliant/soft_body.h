@@ -1,6 +1,6 @@
 #pragma once
 
-// A soft body in a Bullet world: a btCollisionObject whose shape is a compound of node spheres.
+// A soft body in a Bullet world: a btCollisionObject whose shape is its drawn surface; contacts are those of its nodes.
 
 #include "pliant/adaptivity.h"
 #include "pliant/body_template.h"
@@ -83,8 +83,8 @@ public:
 	[[nodiscard]] btVector3 nodeVelocity( int node ) const; ///< m/s
 	[[nodiscard]] btScalar nodeMass( int node ) const;      ///< kg
 	[[nodiscard]] btScalar nodeRadius( int node ) const;    ///< of the collision sphere, m
-	/// The node of a child shape's index, as ray, sweep and contact tests report it; -1 for an index out of range. Only nodes of the
-	/// surface and of one layer below it have child shapes. Contact points hold the node's index instead.
+	/// The node of the index that ray, sweep and contact tests report, the colliding one nearest to where they meet the surface; -1 for an
+	/// index out of range. Only nodes of the surface and of one layer below it collide. Contact points hold the node's index instead.
 	[[nodiscard]] int nodeOfShapeIndex( int shapeIndex ) const;
 	/// The node nearest to a world position, m; with levels of detail the one whose sphere is nearest. Never -1: every body has a node.
 	/// Node 0 for bad numbers.

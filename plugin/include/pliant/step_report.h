@@ -13,7 +13,6 @@ struct StepReport
 {
 	double forces = 0;            ///< forces and gravity
 	double matching = 0;          ///< shape matching, and the implicit solution
-	double spheres = 0;           ///< bounds of collision spheres brought up to date, for rays and sweeps
 	double collision = 0;         ///< search for contacts of all objects, rigid ones too
 	double solve = 0;             ///< Bullet's solver, for all objects
 	double integrate = 0;         ///< positions from velocities, and the guard of fast nodes

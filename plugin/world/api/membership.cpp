@@ -50,8 +50,7 @@ bool SoftBodySystem::remove( SoftBody& body )
 	{
 		return false;
 	}
-	for ( std::vector<SoftBody*>* list :
-		{ &m_awake, &m_rigid, &m_asleep, &m_substepped, &m_parallel, &m_serial, &m_stale, &m_staleShapes } )
+	for ( std::vector<SoftBody*>* list : { &m_awake, &m_rigid, &m_asleep, &m_substepped, &m_parallel, &m_serial, &m_stale } )
 	{
 		std::erase( *list, &body );
 	}

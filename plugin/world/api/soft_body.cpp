@@ -18,6 +18,7 @@ void SoftBody::Impl::placeSpheres( btCollisionObject& object, const MotionSums& 
 	const btTransform at( btQuaternion::getIdentity(), toBt( nodes.origin + centre ) );
 	shapeShift = ( toVec3d( at.getOrigin() ) - nodes.origin ).cast<float>();
 	shape->place( nodes, shapeShift, runner );
+	++skin.moves;
 	object.setWorldTransform( at );
 	object.setInterpolationWorldTransform( at );
 }
@@ -25,7 +26,6 @@ void SoftBody::Impl::placeSpheres( btCollisionObject& object, const MotionSums& 
 void SoftBody::Impl::placeShape( btCollisionObject& object )
 {
 	placeSpheres( object, body->measureMotion() );
-	shape->freshen();
 }
 
 void SoftBody::Impl::finish( SoftBody& owner )
@@ -35,7 +35,8 @@ void SoftBody::Impl::finish( SoftBody& owner )
 	owner.m_internalType = kInternalType;
 	owner.m_collisionFlags &= ~CF_STATIC_OBJECT; // Bullet's objects are born static
 	owner.internalSetExtensionPointer( const_cast<char*>( &kSoftBodyMark ) );
-	owner.setCollisionShape( shape.get() );
+	queried = std::make_unique<BodyShape>( owner );
+	owner.setCollisionShape( queried.get() );
 	placeShape( owner );
 }
 

@@ -219,6 +219,38 @@ void SoftBody::Impl::skinInFull( TaskRunner* runner ) const
 	}
 }
 
+// A copy of the shown skin where that is up to date. It is not shown itself: its buffers are the game's until the step after next.
+bool SoftBody::Impl::placeDrawn( std::vector<float>& positions, std::vector<float>& normals, SkinTriangles& triangles ) const
+{
+	const SkinBinding& shown = binding();
+	triangles = shownTriangles();
+	if ( shown.kind == Skinning::None || triangles.count == 0 )
+	{
+		return false;
+	}
+	if ( !skin.isStale )
+	{
+		positions = skin.positions[skin.current];
+		normals = skin.normals[skin.current];
+		const btVector3 shift = skin.origin[skin.current] - worldOrigin();
+		for ( std::size_t i = 0; i < positions.size() && !shift.isZero(); ++i )
+		{
+			positions[i] += float( shift[int( i % 3 )] );
+		}
+		return true;
+	}
+	SkinPose pose = skinPose();
+	if ( pose.fade )
+	{
+		pose.body = body->levelFrame();
+	}
+	positions.resize( shown.restPosition.size() * 3 );
+	normals.resize( shown.restPosition.size() * 3 );
+	const SkinScratchPool::Borrowed scratch( system ? &system->skinScratch : nullptr );
+	pliant::skin( shown, body->nodes(), pose, triangles, *scratch, positions.data(), normals.data() );
+	return true;
+}
+
 void SoftBody::setSurfaceTolerance( btScalar cells )
 {
 	m_impl->skin.tolerance = cells > 0 ? double( cells ) : 0.0;

@@ -19,6 +19,11 @@ btScalar SoftBody::surfaceTolerance() const
 	return btScalar( m_impl->skin.tolerance );
 }
 
+bool SoftBody::Impl::placeDrawn( std::vector<float>&, std::vector<float>&, SkinTriangles& ) const
+{
+	return false;
+}
+
 void SoftBody::Impl::keepSurface() {}
 void SoftBody::Impl::fadeFromKeptSurface() {}
 

@@ -105,7 +105,6 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
 	{
 		previousShape = std::move( shape );
 		shape = std::move( remains.shape );
-		owner.setCollisionShape( shape.get() );
 		for ( ContactProxy* proxy : touched )
 		{
 			proxy->setCollisionShape( shape->sphereOfNode( proxy->node ) );

@@ -84,7 +84,7 @@ void SoftBody::Impl::becomeRigid( SoftBody& owner )
 
 void SoftBody::Impl::becomeDeformable( SoftBody& owner )
 {
-	owner.setCollisionShape( shape.get() );
+	owner.setCollisionShape( queried.get() );
 	twin.reset();
 	body->becomeDeformable();
 	placeShape( owner );

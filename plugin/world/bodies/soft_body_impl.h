@@ -4,6 +4,7 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
+#include "pliant/build.h"
 #include "pliant/soft_body.h"
 #include "surface/crack_mesh/shared_crack_state.h"
 #include "surface/skin/rigid_skin.h"
@@ -13,6 +14,7 @@
 #include "world/constants.h"
 #include "world/detect/node_contacts.h"
 #include "world/implicit/implicit_choice.h"
+#include "world/query/surface_shape.h"
 #include "world/shape/contact_proxy.h"
 #include "world/shape/node_shape.h"
 #include "world/shape/penetration_allowance.h"
@@ -65,6 +67,7 @@ struct SkinBuffers
 	bool areRotationsKnown = false; ///< rotations and flow are up to date
 	bool isPoseKnown = false;       ///< gradients are up to date too
 	bool isMapKnown = false;        ///< `maps` are up to date too
+	unsigned moves = 0;             ///< counts placements of the nodes (placeSpheres)
 
 	void nodesMoved()
 	{
@@ -116,6 +119,7 @@ struct SoftBody::Impl
 	std::shared_ptr<const BodyTemplate> bodyTemplate;
 	std::unique_ptr<Body> body;
 	std::unique_ptr<NodeShape> shape;
+	std::unique_ptr<BodyShape> queried; ///< the body's collision shape as Bullet sees it
 	/// Origin of the object's transform in the nodes' coordinates: the centre of mass, rounded to Bullet's precision. The shape's spheres
 	/// are relative to it.
 	Vec3 shapeShift = Vec3::Zero();
@@ -212,9 +216,9 @@ struct SoftBody::Impl
 		contactSurface.follow( *body, numbering + fractureVersion );
 		return contactSurface;
 	}
-	/// Returns true if contacts use patches of the drawn surface. Only implicit bodies do: Bullet's solver, which solves explicit ones, has
-	/// no contacts that are shared by several nodes.
-	bool isMetAsDrawn() const { return isImplicit && !body->lattice().patch.empty() && surfaceNow().hasPatches(); }
+	/// Returns true if contacts use patches of the drawn surface. The block solver solves them, since Bullet's has no contacts that are
+	/// shared by several nodes; a body that steps explicitly takes part with its masses alone.
+	bool isMetAsDrawn() const { return !body->lattice().patch.empty() && hasFeature( Feature::Implicit ) && surfaceNow().hasPatches(); }
 	bool hasNode( int node ) const { return node >= 0 && node < body->nodeCount(); }
 	/// Wakes the bodies in contact with this one before it moves in a way that contacts do not predict.
 	void wakeTouching( const SoftBody& owner ) const;
@@ -243,6 +247,9 @@ struct SoftBody::Impl
 	void drawSkin( TaskRunner* runner ) const;
 	bool rotateSkin( TaskRunner* runner ) const; ///< the same for nodes that have moved rigidly; returns false if they have not
 	void skinInFull( TaskRunner* runner ) const;
+	/// Fills positions, relative to the nodes' origin, m, and normals of what `surface` shows, and its triangles. False where it shows
+	/// none.
+	bool placeDrawn( std::vector<float>& positions, std::vector<float>& normals, SkinTriangles& triangles ) const;
 	bool hasNewCracks() const;
 	void showOwnCracks() const;
 	void drawCracks( TaskRunner* runner = nullptr ) const;

@@ -2,6 +2,7 @@
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/detect/node_contacts.h"
+#include "world/query/surface_tests.h"
 #include "world/step/soft_body_system.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
@@ -16,21 +17,29 @@ namespace pliant {
 
 namespace {
 
-/// The soft body itself only: Bullet handles contact proxies that meet a compound, and bodies in their rigid state.
+/// The soft body as a whole only: Bullet handles contact proxies that meet a compound, and contact tests single triangles.
 SoftBodySystem* systemOf( const btCollisionObjectWrapper* wrapper )
 {
-	const SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) );
-	return soft && !soft->impl().twin ? soft->impl().system : nullptr;
+	return SurfaceTest::isSurface( *wrapper ) ? asSoftBody( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) )->impl().system
+											  : nullptr;
 }
 
 /// Reads the registered functions, for which Bullet has no accessor.
 struct OpenDispatcher : btCollisionDispatcher
 {
-	static btCollisionAlgorithmCreateFunc* registered( const btCollisionDispatcher& dispatcher, int type0, int type1 )
+	static btCollisionAlgorithmCreateFunc* registered( const btCollisionDispatcher& dispatcher, int type0, int type1, AlgorithmKind kind )
 	{
-		return ( dispatcher.*( &OpenDispatcher::m_doubleDispatchContactPoints ) )[type0][type1];
+		return kind == AlgorithmKind::Contacts ? ( dispatcher.*( &OpenDispatcher::m_doubleDispatchContactPoints ) )[type0][type1]
+											   : ( dispatcher.*( &OpenDispatcher::m_doubleDispatchClosestPoints ) )[type0][type1];
 	}
 };
+
+void registerFunction(
+	btCollisionDispatcher& dispatcher, int type0, int type1, AlgorithmKind kind, btCollisionAlgorithmCreateFunc* function )
+{
+	kind == AlgorithmKind::Contacts ? dispatcher.registerCollisionCreateFunc( type0, type1, function )
+									: dispatcher.registerClosestPointsCreateFunc( type0, type1, function );
+}
 
 /// Tables of all dispatchers that serve a world with soft bodies. Worlds may be created on several threads.
 struct Tables
@@ -70,6 +79,15 @@ void NodeAlgorithm::getAllContactManifolds( btManifoldArray& manifolds )
 btCollisionAlgorithm* NodeCreateFunc::CreateCollisionAlgorithm(
 	btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1 )
 {
+	if ( m_kind == AlgorithmKind::ContactTests )
+	{
+		if ( !SurfaceTest::isSurface( *body0 ) && !SurfaceTest::isSurface( *body1 ) )
+		{
+			return m_previous->CreateCollisionAlgorithm( info, body0, body1 );
+		}
+		void* const memory = info.m_dispatcher1->allocateCollisionAlgorithm( sizeof( SurfaceTest ) );
+		return new ( memory ) SurfaceTest( info );
+	}
 	SoftBodySystem* const system0 = systemOf( body0 );
 	SoftBodySystem* const system1 = systemOf( body1 );
 	if ( !system0 && !system1 )
@@ -108,16 +126,19 @@ std::shared_ptr<AlgorithmTable> AlgorithmTable::of( btCollisionDispatcher& dispa
 
 AlgorithmTable::AlgorithmTable( btCollisionDispatcher& dispatcher ) : m_dispatcher( dispatcher )
 {
-	for ( int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type )
+	for ( const AlgorithmKind kind : { AlgorithmKind::Contacts, AlgorithmKind::ContactTests } )
 	{
-		if ( type == GIMPACT_SHAPE_PROXYTYPE )
+		for ( int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type )
 		{
-			continue;
-		}
-		m_entries.push_back( Entry{ COMPOUND_SHAPE_PROXYTYPE, type, nullptr } );
-		if ( type != COMPOUND_SHAPE_PROXYTYPE )
-		{
-			m_entries.push_back( Entry{ type, COMPOUND_SHAPE_PROXYTYPE, nullptr } );
+			if ( type == GIMPACT_SHAPE_PROXYTYPE )
+			{
+				continue;
+			}
+			m_entries.push_back( Entry{ COMPOUND_SHAPE_PROXYTYPE, type, kind, nullptr } );
+			if ( type != COMPOUND_SHAPE_PROXYTYPE )
+			{
+				m_entries.push_back( Entry{ type, COMPOUND_SHAPE_PROXYTYPE, kind, nullptr } );
+			}
 		}
 	}
 	check();
@@ -127,11 +148,11 @@ void AlgorithmTable::check()
 {
 	for ( Entry& entry : m_entries )
 	{
-		btCollisionAlgorithmCreateFunc* const now = OpenDispatcher::registered( m_dispatcher, entry.type0, entry.type1 );
+		btCollisionAlgorithmCreateFunc* const now = OpenDispatcher::registered( m_dispatcher, entry.type0, entry.type1, entry.kind );
 		if ( now != entry.ours.get() )
 		{
-			entry.ours = std::make_unique<NodeCreateFunc>( now );
-			m_dispatcher.registerCollisionCreateFunc( entry.type0, entry.type1, entry.ours.get() );
+			entry.ours = std::make_unique<NodeCreateFunc>( now, entry.kind );
+			registerFunction( m_dispatcher, entry.type0, entry.type1, entry.kind, entry.ours.get() );
 		}
 	}
 }
@@ -140,9 +161,9 @@ AlgorithmTable::~AlgorithmTable()
 {
 	for ( const Entry& entry : m_entries )
 	{
-		if ( OpenDispatcher::registered( m_dispatcher, entry.type0, entry.type1 ) == entry.ours.get() )
+		if ( OpenDispatcher::registered( m_dispatcher, entry.type0, entry.type1, entry.kind ) == entry.ours.get() )
 		{
-			m_dispatcher.registerCollisionCreateFunc( entry.type0, entry.type1, entry.ours->previous() );
+			registerFunction( m_dispatcher, entry.type0, entry.type1, entry.kind, entry.ours->previous() );
 		}
 	}
 }

@@ -35,22 +35,31 @@ private:
 	PairContacts* m_contacts;
 };
 
-/// Creates a NodeAlgorithm in the world of a soft body that takes part, and otherwise delegates to the previous function.
+/// Which of a dispatcher's two tables: contacts of a step, or the points of contact tests.
+enum class AlgorithmKind : int
+{
+	Contacts,
+	ContactTests
+};
+
+/// For contacts creates a NodeAlgorithm in the world of a soft body that takes part, for contact tests a SurfaceTest; delegates to the
+/// previous function where no soft body takes part.
 class NodeCreateFunc : public btCollisionAlgorithmCreateFunc
 {
 public:
-	explicit NodeCreateFunc( btCollisionAlgorithmCreateFunc* previous ) : m_previous( previous ) {}
+	NodeCreateFunc( btCollisionAlgorithmCreateFunc* previous, AlgorithmKind kind ) : m_previous( previous ), m_kind( kind ) {}
 	btCollisionAlgorithm* CreateCollisionAlgorithm(
 		btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1 ) override;
 	btCollisionAlgorithmCreateFunc* previous() const { return m_previous; }
 
 private:
 	btCollisionAlgorithmCreateFunc* m_previous;
+	AlgorithmKind m_kind;
 };
 
-/// Registers our create functions in a dispatcher's table, in front of the previous ones, for all pairs with a compound, which a soft
-/// body's shape is. The table of closest-point algorithms is unchanged: contact tests see a compound of spheres. So are the entries for
-/// GImpact meshes, which games register themselves. Shared by all worlds of a dispatcher; exists as long as one of them has a soft body.
+/// Registers our create functions in a dispatcher's two tables, in front of the previous ones, for all pairs with a compound, which a soft
+/// body's shape is. The entries for GImpact meshes, which games register themselves, are unchanged. Shared by all worlds of a dispatcher;
+/// exists as long as one of them has a soft body.
 class AlgorithmTable
 {
 public:
@@ -67,6 +76,7 @@ private:
 	struct Entry
 	{
 		int type0, type1;
+		AlgorithmKind kind;
 		std::unique_ptr<NodeCreateFunc> ours;
 	};
 

@@ -109,11 +109,6 @@ Vec3d surfaceVelocity( const btManifoldPoint& point, const btContactSolverInfo& 
 				   : Vec3d( Vec3d::Zero() );
 }
 
-bool isExplicit( const ContactProxy* node )
-{
-	return node && node->node >= 0 && !node->owner->impl().isImplicit;
-}
-
 bool isDrawn( const ContactProxy* node )
 {
 	return node && node->node >= 0 && node->owner->impl().isMetAsDrawn();
@@ -255,7 +250,7 @@ void ImplicitContacts::gatherFrom(
 		}
 		BlockContact contact;
 		contact.normal = toVec3d( point.m_normalWorldOnB );
-		contact.isDrawn = ( isDrawn( nodes[0] ) || isDrawn( nodes[1] ) ) && !isExplicit( nodes[0] ) && !isExplicit( nodes[1] );
+		contact.isDrawn = isDrawn( nodes[0] ) || isDrawn( nodes[1] );
 		SharedNodes shared[2];
 		const Vec3d position = contact.isDrawn ? distributeOnSurface( nodes, point, contact.normal, shared )
 											   : distributeToNodes( nodes, shared );

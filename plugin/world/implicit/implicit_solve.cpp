@@ -15,11 +15,12 @@ namespace pliant {
 
 namespace {
 
-/// Returns true if a body's contacts or attachments must be solved in a block. A fragment of one cell has no elasticity, but the residual
-/// errors of Bullet's solver at a step of a sixtieth of a second would make a heap of them creep forever, at millimetres per second.
+/// Returns true if a body's contacts or attachments must be solved in a block, as those of a drawn surface are. A fragment of one cell has
+/// no elasticity, but the residual errors of Bullet's solver at a step of a sixtieth of a second would make a heap of them creep forever,
+/// at millimetres per second.
 bool needsBlock( const SoftBody& body, const Attachments& attachments )
 {
-	return ( !attachments.isEmpty() && attachments.contain( body ) ) || body.impl().isImplicit ||
+	return ( !attachments.isEmpty() && attachments.contain( body ) ) || body.impl().isImplicit || body.impl().isMetAsDrawn() ||
 		( body.nodeCount() == 1 && body.material().elasticity != Elasticity::Explicit );
 }
 

@@ -5,6 +5,8 @@
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/touch/box_touch.h"
+#include "world/touch/edge_constants.h"
+#include "world/touch/edge_faces.h"
 #include "world/touch/terrain_side.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -169,6 +171,26 @@ inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nea
 	return find( sphere, touch );
 }
 
+namespace {
+
+/// At edges, where nodes have no patch, tests the face in front of one against an object that would fit between their spheres.
+template <class Nearest, class Find>
+PatchAnswer touchEdge( const SoftBody& soft, int node, const MovingSphere& sphere, const Nearest& nearest, const Find& find, Touch& touch )
+{
+	const SoftBody::Impl& impl = soft.impl();
+	const ContactSurface& surface = impl.surfaceNow();
+	ContactSurface::Patch face;
+	Touch there;
+	if ( surface.patchOf( impl.body->nodes(), node, face ) || !nearest( sphere, there ) ||
+		!findEdgeFace( surface, *impl.body, node, -there.distance * there.normal, face ) )
+	{
+		return PatchAnswer::UseSphere;
+	}
+	return findPatchTouch( face, surface.cellSize(), sphere, nearest, find, touch );
+}
+
+} // namespace
+
 // A plane's box is unbounded: every node is tested, inner ones too, without a tree.
 void NodeSearch::plane( const Obstacle& obstacle )
 {
@@ -271,11 +293,13 @@ void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Fin
 	const bool looksAhead = m_looksAhead && obstacle.shape->isConvex();
 	const Obstacle then = looksAhead ? m_unforcedMotion.moved( obstacle, m_step ) : Obstacle{};
 	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
+	const bool isSmall = m_surface && double( size ) < kEdgeThing * m_surface->cellSize();
 	m_marks.takeAll( [&]( int node ) {
 		noteNearby( node, size );
 		Touch touch;
 		const MovingSphere sphere = spheres.of( node );
-		if ( touches( node, sphere, nearest, find, touch ) &&
+		const PatchAnswer edge = isSmall ? touchEdge( *m_soft, node, sphere, nearest, find, touch ) : PatchAnswer::UseSphere;
+		if ( ( edge == PatchAnswer::UseSphere ? touches( node, sphere, nearest, find, touch ) : edge == PatchAnswer::Touches ) &&
 			( !looksAhead || touch.reach >= 0.0 || lookAhead( then, sphere, spheres.ahead( node ), touch ) ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );

@@ -20,16 +20,16 @@ void NodeSearch::adjustForCharacter()
 {
 	for ( NodeHit& hit : m_hits )
 	{
-		const double depth = double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) - hit.touch.distance;
+		const double radius = double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ), depth = radius - hit.touch.distance;
 		if ( hit.touch.normal.dot( m_characters.up ) < -kCarrySlope )
 		{
-			// Its sweeps stop at the spheres, and it may penetrate the hollow between four of them.
-			hit.touch.distance += m_characters.allowance +
-				( hit.touch.reach < 0.0 ? 0.0 : kHollowDepth * double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) );
+			hit.touch.distance += m_characters.allowance;
 		}
 		else if ( depth > 0.0 )
 		{
-			const double pushed = std::min( depth, m_characters.allowance ) * std::min( 1.0, m_step / m_characters.gameStep );
+			// Its sweeps stop at the drawn surface, and the nodes' spheres stand back from that between them.
+			const double hollow = hit.touch.reach < 0.0 ? kHollowDepth * radius : 0.0;
+			const double pushed = ( std::min( depth, m_characters.allowance ) + hollow ) * std::min( 1.0, m_step / m_characters.gameStep );
 			hit.touch.distance += depth - pushed;
 		}
 	}

@@ -221,7 +221,7 @@ std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody
 	m_hits.clear();
 	const double slack = slackOf( implA, implB );
 	// Fragments have faces that fit into each other cell by cell.
-	const bool hasPatches = slack == 0.0 && implA.isImplicit && implB.isImplicit && ( implA.isMetAsDrawn() || implB.isMetAsDrawn() );
+	const bool hasPatches = slack == 0.0 && ( implA.isMetAsDrawn() || implB.isMetAsDrawn() );
 	const PatchPairs patches( a, b ); // used only where there are patches
 	const bool isRound = slack == 0.0 && useRoundSpheres( a, b );
 	double deepest = 0.0;

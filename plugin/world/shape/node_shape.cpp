@@ -137,6 +137,7 @@ struct NewChildren
 // The parts of a split node replace its leaf in the tree. Shape indices are then unordered; contacts are sorted by node.
 void NodeShape::followLevels( const Body& body, const Vec3& shift, bool isPlacedNext )
 {
+	freshen();
 	const Levels& levels = *body.levels();
 	const LevelChange& change = levels.lastChange();
 	const auto collides = [&]( int node ) { return m_colliders.collides[levels.cut().node[std::size_t( node )]] != 0; };
@@ -293,12 +294,6 @@ void NodeShape::freshen( TaskRunner* runner )
 		} );
 	} );
 	m_refit.run( runner );
-}
-
-void NodeShape::update( const NodeState& nodes, const Vec3& shift, TaskRunner* runner )
-{
-	place( nodes, shift, runner );
-	freshen( runner );
 }
 
 void NodeShape::setSweep( const btVector3& low, const btVector3& high )

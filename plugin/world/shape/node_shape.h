@@ -1,7 +1,7 @@
 #pragma once
 
-// A soft body's collision shape: one Bullet compound of shared spheres, one per colliding node, its tree refitted after each step. Ray,
-// sweep and contact tests, ghosts and debug drawing work on it as on any compound. A substep's own searches use sphere_rows.h.
+// The spheres of a soft body's nodes: shared shapes, one per colliding node, which a substep's searches test in rows (sphere_rows.h). What
+// Bullet queries is the drawn surface (query/surface_shape.h).
 
 #include "body/body.h"
 #include "matching/node_state.h"
@@ -39,13 +39,10 @@ public:
 		const CollidersChange& change );
 
 	/// Moves the spheres to the nodes. `shift`: the shape's own origin in the nodes' coordinates. `runner` may be null. The compound's
-	/// children and tree, which Bullet reads, stay unchanged until freshen(): most substeps do not need them.
+	/// children and tree, by which rows are arranged, stay unchanged until freshen().
 	void place( const NodeState& nodes, const Vec3& shift, TaskRunner* runner = nullptr );
-	/// Moves children and tree to the spheres.
+	/// Moves children and tree to the spheres, before leaves are added where they belong.
 	void freshen( TaskRunner* runner = nullptr );
-	bool isStale() const { return m_isStale; }
-	/// Calls place() and freshen().
-	void update( const NodeState& nodes, const Vec3& shift, TaskRunner* runner = nullptr );
 	/// Nodes move by vectors between `low` and `high` in this step, m: the shape's box grows by it, the spheres' boxes do not.
 	void setSweep( const btVector3& low, const btVector3& high );
 	const btVector3& sweepLow() const { return m_sweepLow; }

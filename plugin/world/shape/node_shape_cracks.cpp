@@ -78,6 +78,7 @@ bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>
 	{
 		return false;
 	}
+	freshen();
 	const bool hasLost = nodeBefore.size() < nodeNow.size(), isSameTree = exposed.empty() && !hasLost;
 	const bool keepsNumbers = renumber( nodeNow, nodeBefore );
 	if ( hasLost && !body.levels() )

@@ -303,22 +303,9 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 	quarantineBroken();
 }
 
-void SoftBodySystem::freshenShapes()
-{
-	Stopwatch watch( report.spheres );
-	m_staleShapes.clear();
-	std::copy_if( m_bodies.begin(), m_bodies.end(), std::back_inserter( m_staleShapes ),
-		[]( const SoftBody* body ) { return body->impl().shape->isStale() && !body->impl().twin; } );
-	// Many bodies: one task each; few: the threads share a body.
-	const bool oneTaskEach = int( m_staleShapes.size() ) >= tasks()->threadCount();
-	auto freshen = [&]( int k ) { m_staleShapes[std::size_t( k )]->impl().shape->freshen( oneTaskEach ? nullptr : tasks() ); };
-	runTasks( oneTaskEach ? tasks() : nullptr, int( m_staleShapes.size() ), freshen );
-}
-
 void SoftBodySystem::endStep()
 {
 	makeRigid( m_gameStep );
-	freshenShapes();
 	attachments.endStep();
 	countNodes();
 	noteSleepers();

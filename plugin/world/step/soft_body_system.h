@@ -98,8 +98,6 @@ public:
 	void readBack();             ///< the solver's results for touched nodes
 	void holdBack( btScalar h ); ///< keeps fast nodes from passing through static and kinematic objects
 	void integrate( btScalar h, int substep );
-	/// Updates the shapes for queries (rays, sweeps, contact tests) before the step has ended.
-	void freshenShapes();
 	void updateActivation( btScalar h );
 	void endStep();
 	void clearForces();
@@ -200,7 +198,6 @@ private:
 	std::vector<SoftBody*> m_rigid;              ///< in this substep, in their rigid state
 	bool m_hasTwins = false;                     ///< in this substep
 	std::vector<SoftBody*> m_asleep;             ///< when the last step ended
-	std::vector<SoftBody*> m_staleShapes;        ///< scratch of freshenShapes
 	std::vector<SoftBody*> m_parallel, m_serial; ///< awake bodies processed by all threads together; by one thread each
 	std::vector<SoftBody*> m_stale;              ///< scratch of noteSkinRequest
 	std::vector<std::uint32_t> m_contactNodes;   ///< scratch of requestContactSplits: nodes and their F

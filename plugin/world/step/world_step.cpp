@@ -26,16 +26,6 @@
 
 namespace pliant {
 
-bool WorldStep::needsFreshShapes() const
-{
-	bool isSwept = false;
-	for ( int i = 0; m_parts.world.getDispatchInfo().m_useContinuous && !isSwept && i < m_parts.rigidBodies.size(); ++i )
-	{
-		isSwept = m_parts.rigidBodies[i]->getCcdSquareMotionThreshold() != 0;
-	}
-	return isSwept || m_parts.actions.size() > 0;
-}
-
 // === The game step ===
 
 // Events are those of the last tick, and small pieces that have faded leave between ticks.
@@ -330,10 +320,6 @@ void WorldStep::integrate( btScalar h )
 		bodies.holdBack( h );
 		bodies.integrate( h, m_substep );
 		frictionTorque.give();
-	}
-	if ( needsFreshShapes() )
-	{
-		bodies.freshenShapes();
 	}
 	bodies.testLinks( h );
 }

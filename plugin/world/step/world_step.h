@@ -63,9 +63,6 @@ private:
 	void detectWhole();
 	void detectPass();
 	void findPassIslands();
-	/// Whether Bullet is queried between substeps for the shapes of soft bodies: by actions (a vehicle's wheels cast rays) or by continuous
-	/// detection, which sweeps bodies against all objects.
-	bool needsFreshShapes() const;
 	void forgetObject( btCollisionObject& object );
 
 	BulletStages& m_stages;

@@ -34,10 +34,38 @@ void ContactSurface::follow( const Body& body, unsigned version )
 		return;
 	}
 	m_neighbours = findAxisNeighbours( lattice );
-	for ( const ContactPatch& patch : lattice.patch )
+	m_patch = lattice.patch;
+	followCracks();
+	for ( const ContactPatch& patch : m_patch )
 	{
 		m_hasPatches = m_hasPatches || patch.radius > 0.0f;
 		m_overhang = std::max( m_overhang, patch.radius > 0.0f ? double( patch.height ) - 0.5 * m_cellSize : 0.0 );
+	}
+}
+
+// A crack leaves the drawn surface in front of its cells as it was. Cells from inside, of which it has opened one side, have a flat face
+// there; those at a crack's edges keep their spheres.
+void ContactSurface::followCracks()
+{
+	for ( std::size_t cell = 0; cell < m_patch.size(); ++cell )
+	{
+		ContactPatch& patch = m_patch[cell];
+		if ( patch.links > 0 )
+		{
+			continue; // of the surface as it was built
+		}
+		const std::array<std::int32_t, 6>& beside = m_neighbours[cell];
+		const std::ptrdiff_t open = std::count_if( beside.begin(), beside.end(), []( std::int32_t other ) { return other < 0; } );
+		if ( open != 1 )
+		{
+			continue;
+		}
+		const int side = int(
+			std::find_if( beside.begin(), beside.end(), []( std::int32_t other ) { return other < 0; } ) - beside.begin() );
+		patch.normal = Vec3::Zero();
+		patch.normal[side / 2] = side % 2 == 0 ? -1.0f : 1.0f;
+		patch.height = 0.5f * float( m_cellSize );
+		patch.radius = 2.0f * float( kFlatRadius * m_cellSize );
 	}
 }
 
@@ -45,13 +73,12 @@ void ContactSurface::follow( const Body& body, unsigned version )
 // inverse transpose of F, which is D^-T D0^T, and D^-T is the cofactor matrix of D up to a factor.
 bool ContactSurface::patchOf( const NodeState& nodes, int node, Patch& patch ) const
 {
-	if ( m_neighbours.empty() || m_lattice->patch.empty() )
+	if ( m_neighbours.empty() || m_patch.empty() )
 	{
 		return false;
 	}
-	const ContactPatch& rest = m_lattice->patch[std::size_t( node )];
-	if ( !( rest.radius > 0.0f ) ||
-		m_lattice->linkStart[std::size_t( node ) + 1] - m_lattice->linkStart[std::size_t( node )] != rest.links )
+	const ContactPatch& rest = m_patch[std::size_t( node )];
+	if ( !( rest.radius > 0.0f ) )
 	{
 		return false;
 	}

@@ -32,7 +32,7 @@ public:
 
 		bool isFlat( double cellSize ) const { return radius > kFlatRadius * cellSize; }
 	};
-	/// False where the node has none: at edges, in thin parts, at crack faces, and where the cells around it are crushed.
+	/// False where the node has none: at edges, in thin parts, and where the cells around it are crushed.
 	bool patchOf( const NodeState& nodes, int node, Patch& patch ) const;
 	bool hasPatches() const { return m_hasPatches; }
 	/// Axis neighbours of the nodes of a body without levels; otherwise empty.
@@ -51,12 +51,14 @@ public:
 
 private:
 	struct Axes;
+	void followCracks();
 	bool axesOf( const NodeState& nodes, int node, const Vec3d& along, Axes& axes ) const;
 
 	const Lattice* m_lattice = nullptr;
 	unsigned m_version = 0;
 	std::size_t m_links = 0;
-	AxisNeighbours m_neighbours; ///< empty: nothing is shared
+	AxisNeighbours m_neighbours;       ///< empty: nothing is shared
+	std::vector<ContactPatch> m_patch; ///< by node: the lattice's, and those of crack faces
 	bool m_hasPatches = false;
 	double m_cellSize = 0.0, m_overhang = 0.0;
 };

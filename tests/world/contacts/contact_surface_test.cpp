@@ -4,6 +4,7 @@
 #include "world/test_world.h"
 
 #include "support/momentum.h"
+#include "support/small_things.h"
 
 #include <cmath>
 #include <cstdio>
@@ -22,21 +23,21 @@ std::shared_ptr<const BodyTemplate> templateOf( const test::Mesh& mesh, float ce
 	return BodyTemplate::build( mesh.view(), settings ).value;
 }
 
-Material implicit( float youngsModulus, float numericalDamping )
+Material implicit( float youngsModulus, float numericalDamping, Elasticity elasticity = Elasticity::Implicit )
 {
 	Material material = test::stiff( youngsModulus );
-	material.elasticity = Elasticity::Implicit;
+	material.elasticity = elasticity;
 	material.numericalDamping = numericalDamping;
 	return material;
 }
 
 /// Returns how many of nine marbles of 2 cm lie on the top face (cells of 10 cm) two seconds after they were dropped from 1 cm above it.
-int marblesOnTop( bool isDrawn )
+int marblesOnTop( bool isDrawn, Elasticity elasticity )
 {
 	TestWorld t;
 	t.addPlane();
 	SoftBody* const soft = t.addSoft( templateOf( test::makeBox( { -0.5, -0.25, -0.5 }, { 0.5, 0.25, 0.5 } ), 0.1f, isDrawn ),
-		at( 0, btScalar( 0.25 ), 0 ), implicit( 5e5f, 1.0f ) );
+		at( 0, btScalar( 0.25 ), 0 ), implicit( 5e5f, 1.0f, elasticity ) );
 	std::vector<btRigidBody*> marbles;
 	for ( int k = 0; k < 9; ++k )
 	{
@@ -59,17 +60,20 @@ int marblesOnTop( bool isDrawn )
 // The marbles are smaller than the gap between four spheres and would fall through the body.
 TEST( ContactSurface, CarriesMarblesSmallerThanTheGapsBetweenNodes )
 {
-	EXPECT_EQ( marblesOnTop( true ), 9 );
-	EXPECT_EQ( marblesOnTop( false ), 0 );
+	for ( const Elasticity elasticity : { Elasticity::Implicit, Elasticity::Explicit } )
+	{
+		EXPECT_EQ( marblesOnTop( true, elasticity ), 9 );
+		EXPECT_EQ( marblesOnTop( false, elasticity ), 0 );
+	}
 }
 
 /// Returns the speed after four seconds of a ball that starts sliding at 2 m/s, friction 0.8; a rigid one's is 10 / 7.
-double rolled( bool isDrawn )
+double rolled( bool isDrawn, Elasticity elasticity = Elasticity::Implicit )
 {
 	TestWorld t;
 	t.addPlane()->setFriction( btScalar( 0.8 ) );
 	SoftBody* const soft = t.addSoft(
-		templateOf( test::makeSphere( 0.4, 40, 80 ), 0.06f, isDrawn ), at( 0, btScalar( 0.4 ), 0 ), implicit( 1e6f, 0.0f ) );
+		templateOf( test::makeSphere( 0.4, 40, 80 ), 0.06f, isDrawn ), at( 0, btScalar( 0.4 ), 0 ), implicit( 1e6f, 0.0f, elasticity ) );
 	soft->setFriction( btScalar( 0.8 ) );
 	soft->setActivationState( DISABLE_DEACTIVATION );
 	EXPECT_TRUE( soft->setVelocities( btVector3( 2, 0, 0 ), btVector3( 0, 0, 0 ) ).ok() );
@@ -80,8 +84,9 @@ double rolled( bool isDrawn )
 // On spheres of half a cell the ball rolls over bumps, at a radius that ends at the nodes: .89 of 1.43 m/s would remain.
 TEST( ContactSurface, RollsFurtherThanBallsOfACell )
 {
-	const double drawn = rolled( true ), balls = rolled( false );
-	std::printf( "rolls on at %.3f m/s, on its nodes' balls at %.3f\n", drawn, balls );
+	const double drawn = rolled( true ), balls = rolled( false ), steps = rolled( true, Elasticity::Explicit );
+	std::printf( "rolls on at %.3f m/s, on its nodes' balls at %.3f; explicitly at %.3f\n", drawn, balls, steps );
+	EXPECT_GT( steps, 0.88 * 10.0 / 7.0 );
 	EXPECT_GT( drawn, 0.88 * 10.0 / 7.0 );
 	EXPECT_LT( balls, 0.75 * 10.0 / 7.0 );
 }
@@ -129,6 +134,21 @@ TEST( ContactSurface, KeepsMomentumAndSpin )
 		std::printf( "%s: momentum lost %.1e, spin %.1e\n", isRigid ? "cube on ball" : "ball on ball", linear, angular );
 		EXPECT_LT( linear, 1e-5 );
 		EXPECT_LT( angular, 1e-4 );
+	}
+}
+
+// Of .1 to 2 cells, at 0 to 20 m/s; pliant_experiments things throws ten thousand.
+TEST( ContactSurface, KeepsSmallThingsOut )
+{
+	for ( const Elasticity elasticity : { Elasticity::Implicit, Elasticity::Explicit } )
+	{
+		for ( const test::Struck kind : { test::Struck::Whole, test::Struck::Loaded, test::Struck::Cracked } )
+		{
+			const test::ThrownThings tally = test::throwThings( kind, elasticity, 8, 1 );
+			std::printf( "%d of %d sunk, deepest %.2f sizes\n", tally.sunk, tally.thrown, tally.deepest );
+			EXPECT_EQ( tally.lost, 0 ) << int( elasticity ) << int( kind );
+			EXPECT_EQ( tally.sick, 0 );
+		}
 	}
 }
 

@@ -185,6 +185,7 @@ TEST( Adaptive, SpheresEqualThoseOfANewBodyWithTheSameLevels )
 			splits.push_back( split );
 		}
 		NodeShape& shape = *soft->impl().shape;
+		shape.freshen();
 		NodeShape fresh( *soft->impl().body );
 		ASSERT_EQ( shape.getNumChildShapes(), fresh.getNumChildShapes() );
 		std::vector<int> found( std::size_t( shape.getNumChildShapes() ), 0 );

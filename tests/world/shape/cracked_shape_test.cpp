@@ -21,6 +21,7 @@ using test::TestWorld;
 void expectSpheresOfANewOne( const SoftBody& soft )
 {
 	NodeShape& now = *soft.impl().shape;
+	now.freshen();
 	const NodeShape fresh( *soft.impl().body );
 	ASSERT_EQ( now.getNumChildShapes(), fresh.getNumChildShapes() );
 	for ( int node = 0; node < soft.nodeCount(); ++node )

@@ -1,0 +1,31 @@
+#pragma once
+
+// The collision algorithm of Bullet's contact tests (contactTest, contactPairTest) for pairs with a soft body: its drawn surface against
+// whatever the other object is.
+
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
+
+class btDispatcher;
+
+namespace pliant {
+
+class SurfaceTest : public btCollisionAlgorithm
+{
+public:
+	using btCollisionAlgorithm::btCollisionAlgorithm;
+
+	/// Adds one contact point for each triangle of the surface that is nearer to the other object than the test's threshold, and one for an
+	/// object whose middle is inside. Normals point out of the soft body.
+	void processCollision( const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1, const btDispatcherInfo& info,
+		btManifoldResult* result ) override;
+	btScalar calculateTimeOfImpact( btCollisionObject*, btCollisionObject*, const btDispatcherInfo&, btManifoldResult* ) override
+	{
+		return btScalar( 1 );
+	}
+	void getAllContactManifolds( btManifoldArray& ) override {}
+
+	/// Of a pair's two wrappers, whether the first is a soft body's shape as a whole.
+	static bool isSurface( const btCollisionObjectWrapper& wrapper );
+};
+
+} // namespace pliant

@@ -1,0 +1,79 @@
+#include "world/query/triangle_tree.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace pliant {
+
+void TriangleTree::build( const TriangleView& surface )
+{
+	std::vector<Vec3> centres( std::size_t( surface.triangles ) );
+	for ( int t = 0; t < surface.triangles; ++t )
+	{
+		centres[std::size_t( t )] = ( ( surface.corner( t, 0 ) + surface.corner( t, 1 ) + surface.corner( t, 2 ) ) / 3.0 ).cast<float>();
+	}
+	m_order.resize( centres.size() );
+	std::iota( m_order.begin(), m_order.end(), 0U );
+	m_boxes.clear();
+	if ( surface.triangles > 0 )
+	{
+		split( centres, 0, surface.triangles );
+	}
+	refit( surface );
+}
+
+void TriangleTree::split( const std::vector<Vec3>& centres, int first, int last ) // NOLINT(misc-no-recursion): as deep as the logarithm
+{
+	const std::size_t own = m_boxes.size();
+	m_boxes.emplace_back();
+	if ( last - first <= kLeaf )
+	{
+		m_boxes[own].first = first;
+		m_boxes[own].count = last - first;
+	}
+	else
+	{
+		const float most = std::numeric_limits<float>::max();
+		Vec3 low( most, most, most ), high( -low );
+		for ( int k = first; k < last; ++k )
+		{
+			low = low.cwiseMin( centres[m_order[std::size_t( k )]] );
+			high = high.cwiseMax( centres[m_order[std::size_t( k )]] );
+		}
+		int axis = 0;
+		( high - low ).maxCoeff( &axis );
+		const int middle = ( first + last ) / 2;
+		std::nth_element( m_order.begin() + first, m_order.begin() + middle, m_order.begin() + last,
+			[&centres, axis]( std::uint32_t a, std::uint32_t b ) {
+				return centres[a][axis] != centres[b][axis] ? centres[a][axis] < centres[b][axis] : a < b;
+			} );
+		split( centres, first, middle );
+		split( centres, middle, last );
+	}
+	m_boxes[own].after = int( m_boxes.size() );
+}
+
+void TriangleTree::refit( const TriangleView& surface )
+{
+	for ( std::size_t at = m_boxes.size(); at-- > 0; )
+	{
+		Box& box = m_boxes[at];
+		if ( box.count == 0 )
+		{
+			const Box &lower = m_boxes[at + 1], &upper = m_boxes[std::size_t( lower.after )];
+			box.low = lower.low.cwiseMin( upper.low );
+			box.high = lower.high.cwiseMax( upper.high );
+			continue;
+		}
+		box.low = box.high = surface.corner( int( m_order[std::size_t( box.first )] ), 0 ).cast<float>();
+		for ( int k = 0; k < 3 * box.count; ++k )
+		{
+			const Vec3 corner = surface.corner( int( m_order[std::size_t( box.first + k / 3 )] ), k % 3 ).cast<float>();
+			box.low = box.low.cwiseMin( corner );
+			box.high = box.high.cwiseMax( corner );
+		}
+	}
+}
+
+} // namespace pliant

@@ -1,0 +1,13 @@
+#pragma once
+
+// Constants of edge_faces.cpp and its use.
+
+namespace pliant {
+
+/// Objects smaller than this, cells, touch faces at edges: larger ones rest on the nodes' spheres there, and are not braked by the rims of
+/// faces as they slide over an edge.
+inline constexpr double kEdgeThing = 1.5;
+/// A face is at most so far in front of a node at an edge, cells: the layer below the surface has none.
+inline constexpr double kEdgeFaceHeight = 1.0;
+
+} // namespace pliant

@@ -1,0 +1,14 @@
+#pragma once
+
+// Faces of the drawn surface at its edges and corners, for objects so small that they fit between the nodes' spheres there.
+
+#include "world/touch/contact_surface.h"
+
+namespace pliant {
+
+/// Finds the flat face that goes on in front of a node without a patch, in the plane of a linked node's. Of several, which meet at the
+/// edge, the one that an object is least behind. `at`: the object's point nearest to the node, from its centre, m. False where there is
+/// none.
+bool findEdgeFace( const ContactSurface& surface, const Body& body, int node, const Vec3d& at, ContactSurface::Patch& face );
+
+} // namespace pliant
