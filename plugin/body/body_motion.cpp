@@ -74,6 +74,19 @@ void Body::teleport( const Placement& by )
 	keepFiniteState();
 }
 
+void Body::shift( const Vec3d& by )
+{
+	const Vec3d moved = m_nodes.origin + by;
+	m_nodes.origin = snapped( moved );
+	const Vec3 rest = ( moved - m_nodes.origin ).cast<float>();
+	for ( int i = 0; i < m_nodes.count && !rest.isZero( 0.0f ); ++i )
+	{
+		m_nodes.x.set( i, m_nodes.x.get( i ) + rest );
+	}
+	m_motion = measureMotion();
+	keepFiniteState();
+}
+
 void Body::reserveMotionScratch()
 {
 	const std::size_t now = std::size_t( m_nodes.padded ) * 3;
@@ -107,12 +120,16 @@ void Body::applyForces( float h, const Vec3& gravity, TaskRunner* runner )
 {
 	const Kernels& kernels = bestKernels();
 	const MotionView view = viewOf( m_nodes, m_positionScratch.data() );
-	const bool hasForce = !m_nodes.force.x.empty();
+	const bool hasForce = !m_nodes.force.x.empty(), hasFields = !m_fieldForce.x.empty();
 	PerChunk<VelocityBounds> partial;
 	runChunks( runner, ChunkedRange{ m_nodes.padded }, [&]( int chunk, int begin, int end ) {
 		for ( int i = begin; hasForce && i < std::min( end, m_nodes.count ); ++i )
 		{
 			m_nodes.v.set( i, m_nodes.v.get( i ) + ( h * m_nodes.freedom[i] / m_nodes.mass[i] ) * m_nodes.force.get( i ) );
+		}
+		for ( int i = begin; hasFields && i < std::min( end, m_nodes.count ); ++i )
+		{
+			m_nodes.v.set( i, m_nodes.v.get( i ) + ( h * m_nodes.freedom[i] / m_nodes.mass[i] ) * m_fieldForce.get( i ) );
 		}
 		kernels.push( view, gravity.data(), h, begin, end, partial[std::size_t( chunk )] );
 	} );

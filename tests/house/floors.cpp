@@ -38,7 +38,7 @@ const std::vector<std::vector<const char*>> kSubfolders = {
 		"plugin/surface/crack_state/", "plugin/surface/crack_mesh/" },
 	{ "plugin/body/levels/", "plugin/body/" },
 	{ "plugin/world/", "plugin/world/shape/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/", "plugin/world/respond/",
-		"plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/", "plugin/world/bodies/",
+		"plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/", "plugin/world/game/", "plugin/world/bodies/",
 		"plugin/world/step/", "plugin/world/api/" },
 };
 

@@ -11,6 +11,8 @@
 #include "surface/skin/skinning.h"
 #include "world/constants.h"
 #include "world/detect/node_contacts.h"
+#include "world/game/contact_records.h"
+#include "world/game/force_fields.h"
 #include "world/implicit/implicit_choice.h"
 #include "world/shape/contact_proxy.h"
 #include "world/shape/node_shape.h"
@@ -137,6 +139,9 @@ struct SoftBody::Impl
 	btVector3 gravity = btVector3( 0, 0, 0 );
 	btVector3 centralForce = btVector3( 0, 0, 0 );
 	bool hasNodeForces = false;
+	std::unique_ptr<SurfaceForces> forces;              ///< null: none has been needed
+	btVector3 fieldAcceleration = btVector3( 0, 0, 0 ); ///< the mean of force fields, m/s^2
+	std::unique_ptr<ContactRecords> contactRecords;     ///< null: no contact events are wanted
 
 	std::vector<Vec3d> heldBefore; ///< node positions of a static or kinematic body at the last game step, world, m
 

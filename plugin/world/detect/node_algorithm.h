@@ -49,8 +49,8 @@ private:
 };
 
 /// Registers our create functions in a dispatcher's table, in front of the previous ones, for all pairs with a compound, which a soft
-/// body's shape is. The table of closest-point algorithms is unchanged: contact tests see a compound of spheres. So are the entries for
-/// GImpact meshes, which games register themselves. Shared by all worlds of a dispatcher; exists as long as one of them has a soft body.
+/// body's shape is. The table of closest-point algorithms is unchanged: contact tests see a compound of spheres. Shared by all worlds of a
+/// dispatcher; exists as long as one of them has a soft body.
 class AlgorithmTable
 {
 public:

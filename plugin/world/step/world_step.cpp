@@ -43,6 +43,7 @@ void WorldStep::openTick()
 	m_isTickOver = false;
 	bodies.events.clear();
 	bodies.attachments.events.clear();
+	bodies.contactEvents.clear( bodies.bodies() );
 	bodies.removeFaded();
 }
 
@@ -62,6 +63,7 @@ void WorldStep::singleStep( btScalar timeStep )
 	{
 		return;
 	}
+	bodies.fields.pushRigid();
 	if ( bodies.isEmpty() )
 	{
 		bodies.report = StepReport{};
@@ -133,6 +135,7 @@ void WorldStep::makePasses( btScalar timeStep, int substeps )
 	if ( m_isStepping )
 	{
 		bodies.endStep();
+		bodies.contactEvents.endStep( *m_parts.dispatcher, bodies.bodies(), m_parts.world );
 	}
 	m_isStepping = false;
 }
@@ -190,6 +193,7 @@ void WorldStep::endTick()
 {
 	m_isTickOver = true;
 	bodies.clearForces();
+	bodies.fields.noteClearedForces();
 }
 
 // === The stages ===
@@ -298,6 +302,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 	{
 		m_rolling.apply();
 	}
+	bodies.contactEvents.add( dispatcher, bodies.bodies() );
 	if ( bodies.pass() == StepPass::Substeps )
 	{
 		m_impulses.add( dispatcher );
