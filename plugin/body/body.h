@@ -86,6 +86,11 @@ public:
 	/// the regions: another method, weights, half-width, beta or volume keeping restarts from the original rest shape.
 	Status setMaterial( const Material& wanted );
 
+	/// Grows or shrinks a body of Method::Lattice without levels and far levels to the size of `lattice`, which is its own, scaled:
+	/// positions about the mass centre, masses by density. Velocities and plastic flow stay. Throws std::bad_alloc, before positions have
+	/// changed.
+	void rescale( std::shared_ptr<const Lattice> lattice );
+
 	/// Places the rest shape rigidly, with zero velocities, and discards the matching history.
 	void place( const Placement& placement );
 	/// Moves and rotates the body with its deformation; velocities are rotated too.

@@ -2,13 +2,17 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
+#include "body/implicit_motion.h"
 #include "body/levels/levels.h"
 
 #include "matching/kernels/kernels.h"
 #include "matching/matcher.h"
+#include "matching/regions/region_tables.h"
+#include "matching/step/lattice_matcher.h"
 #include "threads/parallel.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace pliant {
 
@@ -71,6 +75,44 @@ void Body::teleport( const Placement& by )
 		m_nodes.v.set( i, ( rotation * m_nodes.v.get( i ).cast<double>() ).cast<float>() );
 	}
 	m_matcher->turn( by.rotation.normalized() );
+	keepFiniteState();
+}
+
+void Body::rescale( std::shared_ptr<const Lattice> lattice )
+{
+	Material measured = m_material;
+	measured.yieldStrain = hasFlowed() && !needsInverse( measured ) ? 1.0f : measured.yieldStrain; // plasticity was switched off since
+	std::vector<std::uint32_t> same( static_cast<std::size_t>( m_nodes.count ) );
+	std::iota( same.begin(), same.end(), 0u );
+	std::swap( m_lattice, lattice );
+	std::unique_ptr<Matcher> matcher;
+	try
+	{
+		matcher = makeMatcher( measured ); // tables are in cells, and so of any size
+		static_cast<LatticeMatcher&>( *matcher ).inherit( static_cast<const LatticeMatcher&>( *m_matcher ), same );
+		if ( m_breaking )
+		{
+			m_breaking->prepare( *m_lattice, breakStrain( m_breaking->settings, m_material ), m_breaking->limits.toughness );
+			m_breaking->broken.clear();
+		}
+	}
+	catch ( const std::bad_alloc& )
+	{
+		std::swap( m_lattice, lattice );
+		throw;
+	}
+	const double ratio = double( m_lattice->cellSize ) / double( lattice->cellSize );
+	const Vec3d centre = sums().centre;
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		m_nodes.x.set( i, ( centre + ratio * ( m_nodes.x.get( i ).cast<double>() - centre ) ).cast<float>() );
+		m_nodes.x0.set( i, m_lattice->restCentre[std::size_t( i )] );
+		m_nodes.mass[i] *= float( ratio * ratio * ratio );
+	}
+	m_implicit.reset(); // it refers to the previous matcher
+	m_matcher = std::move( matcher );
+	makeMeasures( m_isOnePart );
+	m_motion = measureMotion();
 	keepFiniteState();
 }
 

@@ -196,6 +196,14 @@ public:
 	/// quarantine (isHealthy). Refused as by teleport.
 	Status reset( const btTransform& transform );
 
+	/// Grows or shrinks the body to `scale` times the size of its template, 1e-3 to 1e3: rest shape, spheres, masses by density (times
+	/// scale^3). Nodes move from or to the mass centre, velocities stay. Small steps let contacts follow. Copies the template each time.
+	/// Errors: BadArgument for a scale out of range, for another method than Method::Lattice, with Material::farLevels, and for bodies with
+	/// levels of detail or that have broken; OutOfMemory.
+	Status setScale( btScalar scale );
+	/// The scale last set; default 1.
+	[[nodiscard]] btScalar scale() const;
+
 	/// Whether the parts of the body collide with each other, sides of cuts included. Default off, at no cost. Nodes of one region never
 	/// collide. Pieces inherit the setting. Steinemann et al. 2008, section 7. Errors: BadArgument in a build without
 	/// Feature::SelfCollision; OutOfMemory.

@@ -143,6 +143,7 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	impl.cuts = from.cuts;
 	impl.skin.tolerance = from.skin.tolerance;
 	impl.fading = from.fading;
+	impl.scale = from.scale;
 	impl.forces = SurfaceForces::ofPiece( from.forces.get(), from.fractureVersion );
 	impl.contactRecords = from.contactRecords ? std::make_unique<ContactRecords>() : nullptr;
 	impl.self = from.self ? std::make_unique<SelfCollision>() : nullptr;

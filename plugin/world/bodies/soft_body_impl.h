@@ -186,6 +186,8 @@ struct SoftBody::Impl
 	mutable std::vector<float> nodeAxes;   ///< rotations at the nodes (Body::nodeRotations), only with anisotropic friction
 	mutable SkinBuffers skin;
 	RestPositions rest;
+	std::shared_ptr<const BodyTemplate> unscaled; ///< the template at scale 1; null: never scaled
+	btScalar scale = btScalar( 1 );
 
 	btVector3 worldOrigin() const
 	{

@@ -32,4 +32,7 @@ inline constexpr std::uint32_t kTrianglesOfALeaf = 4;
 /// A point nearer to a surface than the square root of this, in edges of the triangle, lies on it: rounding.
 inline constexpr double kSurfaceRounding = 1e-12;
 
+/// Scales of SoftBody::setScale: beyond them a body of a metre is a millimetre or a kilometre.
+inline constexpr btScalar kSmallestBodyScale = btScalar( 1e-3 ), kLargestBodyScale = btScalar( 1e3 );
+
 } // namespace pliant

@@ -97,6 +97,11 @@ btVector3 ForceField::surfaceForce( const SurfacePoint& ) const
 	return btVector3( 0, 0, 0 );
 }
 
+btVector3 ForceField::volumeForce( const VolumePoint& ) const
+{
+	return btVector3( 0, 0, 0 );
+}
+
 void ForceField::wake()
 {
 	if ( m_owner )
@@ -105,7 +110,7 @@ void ForceField::wake()
 	}
 }
 
-Wind::Wind( const WindSettings& settings ) : ForceField( Kind::SurfaceForce )
+Wind::Wind( const WindSettings& settings ) : ForceField( kSurfaceForce )
 {
 	static_cast<void>( set( settings ) );
 }
@@ -127,7 +132,7 @@ btVector3 Wind::surfaceForce( const SurfacePoint& point ) const
 	return forceOf( Flow{ velocityAt( point.position ), m_settings.density, m_settings.drag, m_settings.lift }, point );
 }
 
-Water::Water( const WaterSettings& settings ) : ForceField( Kind::SurfaceForce ), m_up( 0, 1, 0 )
+Water::Water( const WaterSettings& settings ) : ForceField( kSurfaceForce + kVolumeForce ), m_up( 0, 1, 0 )
 {
 	static_cast<void>( set( settings ) );
 }
@@ -143,21 +148,24 @@ Status Water::set( const WaterSettings& settings )
 	return status;
 }
 
-// The pressure of the water on the surface: its sum is the weight of the water that the body displaces.
 btVector3 Water::surfaceForce( const SurfacePoint& point ) const
 {
+	const bool isUnder = ( m_settings.surface - point.position ).dot( m_up ) > 0;
+	const Flow flow{ m_settings.velocity, m_settings.density, m_settings.drag, btScalar( 0 ) };
+	return isUnder ? forceOf( flow, point ) : btVector3( 0, 0, 0 );
+}
+
+// The weight of the displaced water. Pressure on the surface comes to the same force, but would squeeze materials whose Poisson number is
+// far below that of rubber.
+btVector3 Water::volumeForce( const VolumePoint& point ) const
+{
 	const btScalar depth = ( m_settings.surface - point.position ).dot( m_up );
-	if ( !( depth > 0 ) )
-	{
-		return btVector3( 0, 0, 0 );
-	}
-	const btScalar pressure = m_settings.density * depth * -point.gravity.dot( m_up ); // Pa
-	return point.area * ( -pressure * point.displacedFraction ) +
-		forceOf( Flow{ m_settings.velocity, m_settings.density, m_settings.drag, btScalar( 0 ) }, point );
+	const btScalar under = btClamped( depth / point.size + btScalar( 0.5 ), btScalar( 0 ), btScalar( 1 ) );
+	return m_up * ( -point.gravity.dot( m_up ) * m_settings.density * point.volume * under );
 }
 
 Planet::Planet( const btVector3& centre, btScalar radius, btScalar gravity ) :
-	ForceField( Kind::Acceleration ), m_centre( centre ), m_radius( radius ), m_gravity( gravity )
+	ForceField( kAcceleration ), m_centre( centre ), m_radius( radius ), m_gravity( gravity )
 {
 	if ( !isFinite( centre ) || !std::isfinite( gravity ) || !std::isfinite( radius ) || !( radius > 0 ) )
 	{

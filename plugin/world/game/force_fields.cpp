@@ -6,6 +6,7 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
@@ -52,7 +53,7 @@ void ForceFields::wake( const ForceField& field )
 	for ( int k = 0; k < objects.size(); ++k )
 	{
 		btCollisionObject& object = *objects[k];
-		const bool isRigid = btRigidBody::upcast( &object ) && field.m_kind != ForceField::Kind::SurfaceForce;
+		const bool isRigid = btRigidBody::upcast( &object ) && ( field.m_kinds & ForceField::kAcceleration ) != 0;
 		if ( ( isRigid || asSoftBody( &object ) ) && !object.isStaticOrKinematicObject() && field.actsOn( object ) )
 		{
 			object.activate();
@@ -70,7 +71,7 @@ btVector3 ForceFields::accelerationAt( const btCollisionObject& object, const bt
 	btVector3 sum( 0, 0, 0 );
 	for ( const ForceField* field : m_fields )
 	{
-		if ( field->m_kind != ForceField::Kind::SurfaceForce && field->actsOn( object ) )
+		if ( ( field->m_kinds & ForceField::kAcceleration ) != 0 && field->actsOn( object ) )
 		{
 			sum += field->acceleration( position );
 		}
@@ -120,25 +121,76 @@ void ForceFields::push( SoftBody& body, const btVector3& gravity, double h ) con
 	}
 	Vec3Array& to = impl.body->fieldForce();
 	to.resize( nodes.padded );
-	btVector3 total( 0, 0, 0 );
-	bool hasSurface = hasGas;
-	bool hasAcceleration = false;
+	int kinds = 0;
 	for ( const ForceField* field : m_fields )
 	{
-		const bool acts = field->actsOn( body );
-		hasSurface = hasSurface || ( acts && field->m_kind != ForceField::Kind::Acceleration );
-		hasAcceleration = hasAcceleration || ( acts && field->m_kind != ForceField::Kind::SurfaceForce );
+		kinds |= field->actsOn( body ) ? field->m_kinds : 0;
 	}
-	for ( int i = 0; i < nodes.count && hasAcceleration; ++i )
+	btVector3 total( 0, 0, 0 );
+	for ( int i = 0; i < nodes.count && ( kinds & ( ForceField::kAcceleration | ForceField::kVolumeForce ) ) != 0; ++i )
 	{
-		const btVector3 force = accelerationAt( body, impl.position( i ) ) * btScalar( nodes.mass[i] );
-		to.set( i, toVec3( force ) );
+		const btVector3 position = impl.position( i ), acceleration = accelerationAt( body, position );
+		btVector3 force = acceleration * btScalar( nodes.mass[i] );
 		total += force;
+		if ( ( kinds & ForceField::kVolumeForce ) != 0 )
+		{
+			const double size = double( body.bodyTemplate().cellSize() ) * std::exp2( double( body.nodeLevel( i ) ) );
+			force += volumeForceAt( body,
+				VolumePoint{ position, gravity + acceleration, btScalar( nodes.mass[i] / body.material().density ), btScalar( size ) } );
+		}
+		to.set( i, toVec3( force ) );
 	}
 	impl.fieldAcceleration = total / btScalar( impl.mass );
-	if ( hasSurface )
+	if ( hasGas || ( kinds & ( ForceField::kSurfaceForce | ForceField::kVolumeForce ) ) != 0 )
 	{
-		pushSurface( body, gravity, h );
+		pushSurface( body, gravity, h, kinds );
+	}
+}
+
+btVector3 ForceFields::volumeForceAt( const SoftBody& body, const VolumePoint& point ) const
+{
+	btVector3 sum( 0, 0, 0 );
+	for ( const ForceField* field : m_fields )
+	{
+		if ( ( field->m_kinds & ForceField::kVolumeForce ) != 0 && field->actsOn( body ) )
+		{
+			sum += field->volumeForce( point );
+		}
+	}
+	return sum;
+}
+
+// A cavity displaces what its volume does; the force acts on its wall.
+void ForceFields::pushCavities( const SoftBody& body, const btVector3& gravity, SurfaceForces& forces ) const
+{
+	const Body& core = *body.impl().body;
+	const BodyBoundary& boundary = forces.boundary;
+	for ( int surface = 0; surface < boundary.cells().surfaceCount(); ++surface )
+	{
+		if ( boundary.cells().restVolume[std::size_t( surface )] >= 0.0 )
+		{
+			continue;
+		}
+		const auto isWall = [&]( int p ) { return boundary.cells().surface[std::size_t( p )] == std::uint32_t( surface ); };
+		double area = 0.0;
+		Vec3d centre = Vec3d::Zero();
+		for ( int p = 0; p < boundary.count(); ++p )
+		{
+			const double part = isWall( p ) ? boundary.area( p ).norm() : 0.0;
+			area += part;
+			centre += part * boundary.position( p );
+		}
+		const double volume = std::max( -boundary.volume( surface ), 0.0 );
+		const btVector3 position = toBt( core.nodes().origin + centre / area );
+		const Vec3d force = toVec3d( volumeForceAt( body,
+			VolumePoint{ position, gravity + accelerationAt( body, position ), btScalar( volume ), btScalar( std::cbrt( volume ) ) } ) );
+		for ( int p = 0; p < boundary.count(); ++p )
+		{
+			if ( isWall( p ) )
+			{
+				forces.add( core, p, force * ( boundary.area( p ).norm() / area ) );
+			}
+		}
 	}
 }
 
@@ -170,7 +222,7 @@ Vec3d SurfaceForces::forceOn( const Body& body, int node ) const
 	return nodeForce[std::size_t( node )] + double( body.nodes().mass[node] ) * m_turn.cross( arm );
 }
 
-void ForceFields::pushSurface( SoftBody& body, const btVector3& gravity, double h ) const
+void ForceFields::pushSurface( SoftBody& body, const btVector3& gravity, double h, int kinds ) const
 {
 	SoftBody::Impl& impl = body.impl();
 	const Body& core = *impl.body;
@@ -183,9 +235,9 @@ void ForceFields::pushSurface( SoftBody& body, const btVector3& gravity, double 
 	BodyBoundary& boundary = forces.boundary;
 	boundary.update( core, impl.fractureVersion );
 	forces.begin( core );
-	for ( int p = 0; p < boundary.count() && !m_fields.empty(); ++p )
+	for ( int p = 0; p < boundary.count() && ( kinds & ForceField::kSurfaceForce ) != 0; ++p )
 	{
-		// A cavity is not wetted, and out of the wind.
+		// A cavity is out of the wind.
 		if ( boundary.cells().restVolume[boundary.cells().surface[std::size_t( p )]] < 0.0 )
 		{
 			continue;
@@ -194,17 +246,20 @@ void ForceFields::pushSurface( SoftBody& body, const btVector3& gravity, double 
 		at.position = toBt( nodes.origin + boundary.position( p ) );
 		at.velocity = toBt( boundary.velocity( core, p ) );
 		at.area = toBt( boundary.area( p ) );
-		at.gravity = gravity + accelerationAt( body, at.position );
 		at.mass = btScalar( boundary.mass( core, p ) );
 		at.step = btScalar( h );
 		at.displacedFraction = btScalar( boundary.cells().displaced );
 		for ( const ForceField* field : m_fields )
 		{
-			if ( field->m_kind != ForceField::Kind::Acceleration && field->actsOn( body ) )
+			if ( ( field->m_kinds & ForceField::kSurfaceForce ) != 0 && field->actsOn( body ) )
 			{
 				forces.add( core, p, toVec3d( field->surfaceForce( at ) ) );
 			}
 		}
+	}
+	if ( ( kinds & ForceField::kVolumeForce ) != 0 )
+	{
+		pushCavities( body, gravity, forces );
 	}
 	if ( forces.gas.law != GasLaw::None )
 	{

@@ -82,7 +82,10 @@ public:
 
 private:
 	btVector3 accelerationAt( const btCollisionObject& object, const btVector3& position ) const;
-	void pushSurface( SoftBody& body, const btVector3& gravity, double h ) const;
+	btVector3 volumeForceAt( const SoftBody& body, const VolumePoint& point ) const;
+	/// `kinds`: those of ForceField that act on the body.
+	void pushSurface( SoftBody& body, const btVector3& gravity, double h, int kinds ) const;
+	void pushCavities( const SoftBody& body, const btVector3& gravity, SurfaceForces& forces ) const;
 
 	struct Given
 	{

@@ -14,16 +14,25 @@ namespace pliant {
 class ForceFields;
 class SoftBodyHost;
 
-/// A point of a soft body's surface, as a force field sees it. The surface is that of the body's cells, with the faces of cracks.
+/// A point of a soft body's surface, as a force field sees it. The surface is that of the body's cells, with the faces of cracks, without
+/// cavities.
 struct SurfacePoint
 {
 	btVector3 position;                         ///< world, m
 	btVector3 velocity;                         ///< m/s
 	btVector3 area;                             ///< its part of the surface, outwards, m^2; the sum over a body is zero
-	btVector3 gravity;                          ///< that acts on the body there, gravity fields included, m/s^2
-	btScalar mass = btScalar( 0 );              ///< of the body's nodes, its part, kg; of a free point
+	btScalar mass = btScalar( 0 );              ///< its part of the nodes' masses, kg
 	btScalar step = btScalar( 0 );              ///< length of the substep, s
 	btScalar displacedFraction = btScalar( 1 ); ///< volume of the body as a fraction of that inside of the surface
+};
+
+/// The material of a node, or a closed cavity, as a force field sees it.
+struct VolumePoint
+{
+	btVector3 position;              ///< world, m
+	btVector3 gravity;               ///< that acts there, gravity fields included, m/s^2
+	btScalar volume = btScalar( 0 ); ///< m^3
+	btScalar size = btScalar( 0 );   ///< edge of a cube that it fills, m
 };
 
 /// A force on everything in a world. Derive from it and call addForceField of the world. It acts in every substep of awake bodies, on
@@ -43,23 +52,22 @@ public:
 	[[nodiscard]] virtual btVector3 acceleration( const btVector3& position ) const;
 	/// The force on a point of a soft body's surface, N. Default: none.
 	[[nodiscard]] virtual btVector3 surfaceForce( const SurfacePoint& point ) const;
+	/// The force on a part of a soft body's volume, N. Default: none.
+	[[nodiscard]] virtual btVector3 volumeForce( const VolumePoint& point ) const;
 
 	/// Wakes what it acts on. Call it when the field has changed; a change by itself wakes nothing, as with the world's gravity.
 	void wake();
 
 protected:
-	/// What the class implements.
-	enum class Kind : int
-	{
-		Acceleration,
-		SurfaceForce,
-		Both
-	};
-	explicit ForceField( Kind kind ) : m_kind( kind ) {}
+	// What a class implements: the sum of some of these.
+	static constexpr int kAcceleration = 1; ///< acceleration()
+	static constexpr int kSurfaceForce = 2; ///< surfaceForce()
+	static constexpr int kVolumeForce = 4;  ///< volumeForce()
+	explicit ForceField( int kinds ) : m_kinds( kinds ) {}
 
 private:
 	friend class ForceFields;
-	Kind m_kind;
+	int m_kinds;
 	ForceFields* m_owner = nullptr;
 };
 
@@ -103,8 +111,8 @@ struct WaterSettings
 	btVector3 velocity = btVector3( 0, 0, 0 ); ///< of the water, m/s; at most 1000
 };
 
-/// Water below a plane: buoyancy, by the gravity that acts on the body, and drag. A closed body displaces its cavities too. Acts on soft
-/// bodies.
+/// Water below a plane: buoyancy, by the gravity that acts on the body, and drag. A closed body displaces its cavities too. Its pressure
+/// does not squeeze bodies. Acts on soft bodies.
 class PLIANT_API Water : public ForceField
 {
 public:
@@ -114,8 +122,10 @@ public:
 	Status set( const WaterSettings& settings );
 	/// The settings.
 	[[nodiscard]] const WaterSettings& settings() const { return m_settings; }
-	/// As ForceField's.
+	/// As ForceField's: drag.
 	[[nodiscard]] btVector3 surfaceForce( const SurfacePoint& point ) const override;
+	/// As ForceField's: buoyancy.
+	[[nodiscard]] btVector3 volumeForce( const VolumePoint& point ) const override;
 
 private:
 	WaterSettings m_settings;
