@@ -80,6 +80,8 @@ public:
 	// --- state, flat arrays; may be written between steps -------------------------------------------------------------
 	NodeState& nodes() { return m_nodes; }
 	const NodeState& nodes() const { return m_nodes; }
+	/// Forces on nodes by force fields and gas in this substep only, N, besides NodeState::force. Empty where there are none.
+	Vec3Array& fieldForce() { return m_fieldForce; }
 	int nodeCount() const { return m_nodes.count; }
 	const Lattice& lattice() const { return *m_lattice; }
 	const Material& material() const { return m_material; }
@@ -89,10 +91,17 @@ public:
 	/// the regions: another method, weights, half-width, beta or volume keeping restarts from the original rest shape.
 	Status setMaterial( const Material& wanted );
 
+	/// Grows or shrinks a body of Method::Lattice without levels and far levels to the size of `lattice`, which is its own, scaled:
+	/// positions about the mass centre, masses by density. Velocities and plastic flow stay. Throws std::bad_alloc, before positions have
+	/// changed.
+	void rescale( std::shared_ptr<const Lattice> lattice );
+
 	/// Places the rest shape rigidly, with zero velocities, and discards the matching history.
 	void place( const Placement& placement );
 	/// Moves and rotates the body with its deformation; velocities are rotated too.
 	void teleport( const Placement& by );
+	/// The world's origin moves: the body's coordinates change by this, m; exactly, by whole multiples of kOriginGrid.
+	void shift( const Vec3d& by );
 
 	/// A pinned node keeps its given velocity (`NodeState::v`) and is not moved by matching or forces.
 	void setPinned( int node, bool pinned );
@@ -222,6 +231,8 @@ public:
 	BodySums sums() const;
 	/// The spin over the inertia of all nodes as mass points, rad/s; zero about an axis on which all nodes lie.
 	Vec3d angularVelocity() const;
+	/// The same for another spin about the mass centre, kg m^2/s.
+	Vec3d angularVelocityOf( const Vec3d& spin ) const;
 	/// The rigid motion that fits the body best (mass centre in world coordinates, rotation of all nodes together). `guess`: the rotation
 	/// where the nodes leave it undetermined (few of them, or collinear ones).
 	Placement bestFit( const Eigen::Quaterniond& guess = Eigen::Quaterniond::Identity() ) const;
@@ -280,6 +291,7 @@ private:
 	Material m_material;
 	std::vector<float> m_stiffness; ///< factor of each finest cell; empty: 1 everywhere
 	NodeState m_nodes;
+	Vec3Array m_fieldForce;
 	std::unique_ptr<Matcher> m_matcher;
 	std::unique_ptr<ImplicitMotion> m_implicit; ///< null until the first implicit substep
 	Vec3Array m_velocityBefore;                 ///< at the start of the substep

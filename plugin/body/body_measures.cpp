@@ -33,6 +33,11 @@ BodySums Body::sums() const
 
 Vec3d Body::angularVelocity() const
 {
+	return angularVelocityOf( sums().spin );
+}
+
+Vec3d Body::angularVelocityOf( const Vec3d& spin ) const
+{
 	const BodySums whole = sums();
 	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
 	for ( int i = 0; i < m_nodes.count; ++i )
@@ -40,7 +45,7 @@ Vec3d Body::angularVelocity() const
 		const Vec3d arm = m_nodes.x.get( i ).cast<double>() - whole.centre;
 		second += double( m_nodes.mass[i] ) * arm * arm.transpose();
 	}
-	return inverseOfPart( second.trace() * Eigen::Matrix3d::Identity() - second, whole.mass ) * whole.spin;
+	return inverseOfPart( second.trace() * Eigen::Matrix3d::Identity() - second, whole.mass ) * spin;
 }
 
 Placement Body::bestFit( const Eigen::Quaterniond& guess ) const

@@ -2,14 +2,18 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
+#include "body/implicit_motion.h"
 #include "body/levels/levels.h"
 #include "body/rigid_state.h"
 
 #include "matching/kernels/kernels.h"
 #include "matching/matcher.h"
+#include "matching/regions/region_tables.h"
+#include "matching/step/lattice_matcher.h"
 #include "threads/parallel.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace pliant {
 
@@ -90,6 +94,57 @@ void Body::teleport( const Placement& by )
 	keepFiniteState();
 }
 
+void Body::rescale( std::shared_ptr<const Lattice> lattice )
+{
+	Material measured = m_material;
+	measured.yieldStrain = hasFlowed() && !needsInverse( measured ) ? 1.0f : measured.yieldStrain; // plasticity was switched off since
+	std::vector<std::uint32_t> same( static_cast<std::size_t>( m_nodes.count ) );
+	std::iota( same.begin(), same.end(), 0u );
+	std::swap( m_lattice, lattice );
+	std::unique_ptr<Matcher> matcher;
+	try
+	{
+		matcher = makeMatcher( measured ); // tables are in cells, and so of any size
+		static_cast<LatticeMatcher&>( *matcher ).inherit( static_cast<const LatticeMatcher&>( *m_matcher ), same );
+		if ( m_breaking )
+		{
+			m_breaking->prepare( *m_lattice, breakStrain( m_breaking->settings, m_material ), m_breaking->limits.toughness );
+			m_breaking->broken.clear();
+		}
+	}
+	catch ( const std::bad_alloc& )
+	{
+		std::swap( m_lattice, lattice );
+		throw;
+	}
+	const double ratio = double( m_lattice->cellSize ) / double( lattice->cellSize );
+	const Vec3d centre = sums().centre;
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		m_nodes.x.set( i, ( centre + ratio * ( m_nodes.x.get( i ).cast<double>() - centre ) ).cast<float>() );
+		m_nodes.x0.set( i, m_lattice->restCentre[std::size_t( i )] );
+		m_nodes.mass[i] *= float( ratio * ratio * ratio );
+	}
+	m_implicit.reset(); // it refers to the previous matcher
+	m_matcher = std::move( matcher );
+	makeMeasures( m_isOnePart );
+	m_motion = measureMotion();
+	keepFiniteState();
+}
+
+void Body::shift( const Vec3d& by )
+{
+	const Vec3d moved = m_nodes.origin + by;
+	m_nodes.origin = snapped( moved );
+	const Vec3 rest = ( moved - m_nodes.origin ).cast<float>();
+	for ( int i = 0; i < m_nodes.count && !rest.isZero( 0.0f ); ++i )
+	{
+		m_nodes.x.set( i, m_nodes.x.get( i ) + rest );
+	}
+	m_motion = measureMotion();
+	keepFiniteState();
+}
+
 void Body::reserveMotionScratch()
 {
 	const std::size_t now = std::size_t( m_nodes.padded ) * 3;
@@ -123,12 +178,16 @@ void Body::applyForces( float h, const Vec3& gravity, TaskRunner* runner )
 {
 	const Kernels& kernels = bestKernels();
 	const MotionView view = viewOf( m_nodes, m_positionScratch.data() );
-	const bool hasForce = !m_nodes.force.x.empty();
+	const bool hasForce = !m_nodes.force.x.empty(), hasFields = !m_fieldForce.x.empty();
 	PerChunk<VelocityBounds> partial;
 	runChunks( runner, ChunkedRange{ m_nodes.padded }, [&]( int chunk, int begin, int end ) {
 		for ( int i = begin; hasForce && i < std::min( end, m_nodes.count ); ++i )
 		{
 			m_nodes.v.set( i, m_nodes.v.get( i ) + ( h * m_nodes.freedom[i] / m_nodes.mass[i] ) * m_nodes.force.get( i ) );
+		}
+		for ( int i = begin; hasFields && i < std::min( end, m_nodes.count ); ++i )
+		{
+			m_nodes.v.set( i, m_nodes.v.get( i ) + ( h * m_nodes.freedom[i] / m_nodes.mass[i] ) * m_fieldForce.get( i ) );
 		}
 		kernels.push( view, gravity.data(), h, begin, end, partial[std::size_t( chunk )] );
 	} );

@@ -2,6 +2,7 @@
 
 #include "pliant/body_template.h"
 
+#include "body/constants.h"
 #include "lattice/build/build_lattice.h"
 #include "lattice/features.h"
 #include "matching/regions/level_tables.h"
@@ -58,6 +59,24 @@ template <class T>
 std::vector<T> copyOf( const T* first, std::size_t count )
 {
 	return first ? std::vector<T>( first, first + count ) : std::vector<T>();
+}
+
+Lattice scaledLattice( const Lattice& lattice, float factor )
+{
+	Lattice to = lattice;
+	to.cellSize *= factor;
+	to.corner *= double( factor );
+	to.massCentre *= double( factor );
+	for ( Vec3& centre : to.restCentre )
+	{
+		centre *= factor;
+	}
+	for ( ContactPatch& patch : to.patch )
+	{
+		patch.height *= factor;
+		patch.radius *= factor;
+	}
+	return to;
 }
 
 template <class T>
@@ -123,6 +142,47 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 		return Answer{ outOfMemory(), nullptr };
 	}
 	catch ( const std::length_error& )
+	{
+		return Answer{ outOfMemory(), nullptr };
+	}
+}
+
+Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::scaled( float factor ) const
+{
+	using Answer = Result<std::shared_ptr<const BodyTemplate>>;
+	if ( !( factor >= kSmallestScale && factor <= kLargestScale ) )
+	{
+		return Answer::failure( ResultCode::BadArgument, "BodyTemplate::scaled: the factor must be within 1e-6 to 1e6." );
+	}
+	try
+	{
+		const std::shared_ptr<BodyTemplate> made( new BodyTemplate );
+		Data& data = *made->m_data;
+		const Data& from = *m_data;
+		data.lattice = std::make_shared<const Lattice>( scaledLattice( *from.lattice, factor ) );
+		data.skin = from.skin;
+		for ( Vec3& position : data.skin.restPosition )
+		{
+			position *= factor;
+		}
+		data.report = from.report;
+		data.report.volume *= double( factor ) * double( factor ) * double( factor );
+		data.vertexCount = from.vertexCount;
+		data.triangleCount = from.triangleCount;
+		data.indices = from.indices;
+		data.textureCoordinates = from.textureCoordinates;
+		data.submeshOfTriangle = from.submeshOfTriangle;
+		data.positions = from.positions;
+		for ( float& position : data.positions )
+		{
+			position *= factor;
+		}
+		data.settings = from.settings;
+		data.settings.cellSize *= factor;
+		data.settings.shellThickness *= factor;
+		return Answer::success( made );
+	}
+	catch ( const std::bad_alloc& )
 	{
 		return Answer{ outOfMemory(), nullptr };
 	}

@@ -41,6 +41,9 @@ const std::vector<std::vector<const char*>> kSubfolders = {
 	{ "plugin/world/", "plugin/world/shape/", "plugin/world/query/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/",
 		"plugin/world/respond/", "plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/",
 		"plugin/world/bodies/", "plugin/world/step/", "plugin/world/api/" },
+	{ "plugin/world/", "plugin/world/shape/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/", "plugin/world/respond/",
+		"plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/", "plugin/world/game/", "plugin/world/bodies/",
+		"plugin/world/step/", "plugin/world/api/" },
 };
 
 constexpr std::size_t kMostFilesOfAFolder = 20;

@@ -143,7 +143,7 @@ RandomCalls::~RandomCalls()
 void RandomCalls::run()
 {
 	static const Call often[] = { &RandomCalls::step, &RandomCalls::step, &RandomCalls::create, &RandomCalls::add, &RandomCalls::pins,
-		&RandomCalls::attach, &RandomCalls::rigid, &RandomCalls::place, &RandomCalls::push };
+		&RandomCalls::attach, &RandomCalls::game, &RandomCalls::rigid, &RandomCalls::place, &RandomCalls::push };
 	static const Call seldom[] = { &RandomCalls::remove, &RandomCalls::removeByManifold, &RandomCalls::destroy, &RandomCalls::flags,
 		&RandomCalls::ignore, &RandomCalls::cuts, &RandomCalls::breaking, &RandomCalls::material, &RandomCalls::callbacks,
 		&RandomCalls::features, &RandomCalls::activation, &RandomCalls::queries, &RandomCalls::output, &RandomCalls::fragments,

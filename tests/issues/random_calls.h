@@ -77,6 +77,7 @@ private:
 	void ignore();
 	void pins();
 	void attach();
+	void game();
 	void cuts();
 	void breaking();
 	void material();
@@ -96,6 +97,8 @@ private:
 	std::mt19937 m_random;
 	bool m_isPlain;
 	int m_calls = 0, m_removed = 0;
+	Wind m_wind;
+	Water m_water;
 	std::unique_ptr<SmallParts> m_parts[2];
 	std::unique_ptr<btDbvtBroadphase> m_broadphases[2];
 	std::unique_ptr<btSequentialImpulseConstraintSolver> m_solvers[2];

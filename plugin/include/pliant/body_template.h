@@ -118,6 +118,10 @@ public:
 	/// a stride below 3, or a skin where the build lacks Feature::Surface.
 	static Result<std::shared_ptr<const BodyTemplate>> build( const MeshView& mesh, const LatticeSettings& settings = {} );
 
+	/// The same template of another size, `factor` times as large along each axis; much faster than to build it again. Crack settings that
+	/// are lengths stay as they are. Errors: BadArgument for a factor that is not within 1e-6 to 1e6; OutOfMemory.
+	[[nodiscard]] Result<std::shared_ptr<const BodyTemplate>> scaled( float factor ) const;
+
 	~BodyTemplate();
 	BodyTemplate( const BodyTemplate& ) = delete;
 	BodyTemplate& operator=( const BodyTemplate& ) = delete;

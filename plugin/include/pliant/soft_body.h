@@ -20,6 +20,7 @@ class btRigidBody;
 namespace pliant {
 
 class SoftBody;
+struct Gas;
 using SoftBodyResult = Result<std::unique_ptr<SoftBody>>;
 
 /// The skinned render mesh of a body. As long as nothing has broken, vertex i is the input mesh's vertex i. Cracks add vertices for their
@@ -178,6 +179,21 @@ public:
 	[[nodiscard]] bool hasOwnGravity() const;
 	/// Restores the world's gravity. Wakes the body.
 	void clearGravity();
+	/// Fills the closed cavities of a hollow body with gas (pliant/game/forces.h). The gas is gone once a crack opens the cavity; pieces
+	/// keep theirs. Errors: BadSettings; BadArgument for a body without a cavity.
+	Status setGas( const Gas& gas );
+	/// The gas last set; GasLaw::None when there was none.
+	[[nodiscard]] Gas gas() const;
+	/// The pressure above that outside in a cavity in the last step, Pa; 0 for a cavity that is not there. Cavities count from 0.
+	[[nodiscard]] btScalar gasPressure( int cavity = 0 ) const;
+	/// The volume of a cavity with gas, m^3; 0 for a cavity that is not there. Not during a step.
+	[[nodiscard]] btScalar gasVolume( int cavity = 0 ) const;
+
+	/// Whether the world collects ContactEvents of this body. Default off, at no cost. Pieces inherit the setting.
+	void setContactEvents( bool isOn );
+	/// Whether it does.
+	[[nodiscard]] bool contactEvents() const;
+
 	/// Moves the whole body by a rigid transform; keeps its deformation and turns its velocities. Wakes what the body touches. Refused
 	/// (BadArgument) where the transform holds a bad number, where it or the body's new position is further out than 1e9 m, or where it
 	/// scales, shears or mirrors by more than 1 %.
@@ -185,6 +201,14 @@ public:
 	/// Returns the body to its rest shape, at rest; `transform` maps mesh coordinates to the world. Wakes what the body touches. Ends
 	/// quarantine (isHealthy). Refused as by teleport.
 	Status reset( const btTransform& transform );
+
+	/// Grows or shrinks the body to `scale` times the size of its template, 1e-3 to 1e3: rest shape, spheres, masses by density (times
+	/// scale^3). Nodes move from or to the mass centre, velocities stay. Small steps let contacts follow. Copies the template each time.
+	/// Errors: BadArgument for a scale out of range, for another method than Method::Lattice, with Material::farLevels, and for bodies with
+	/// levels of detail or that have broken; OutOfMemory.
+	Status setScale( btScalar scale );
+	/// The scale last set; default 1.
+	[[nodiscard]] btScalar scale() const;
 
 	/// Whether the parts of the body collide with each other, sides of cuts included. Default off, at no cost. Nodes of one region never
 	/// collide. Pieces inherit the setting. Steinemann et al. 2008, section 7. Errors: BadArgument in a build without

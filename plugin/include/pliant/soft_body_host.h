@@ -4,6 +4,9 @@
 
 #include "pliant/attachment.h"
 #include "pliant/export.h"
+#include "pliant/game/contact_events.h"
+#include "pliant/game/debug_draw.h"
+#include "pliant/game/forces.h"
 #include "pliant/soft_body.h"
 #include "pliant/step_report.h"
 #include "pliant/task_runner.h"
@@ -12,6 +15,9 @@
 
 #include <memory>
 #include <vector>
+
+class btMultiBody;
+class btMultiBodyConstraint;
 
 namespace pliant {
 
@@ -80,6 +86,9 @@ public:
 	virtual void baseAdd( btCollisionObject* object, int group, int mask ) = 0;
 	virtual void baseRemove( btCollisionObject* object ) = 0;
 	virtual void baseSerialize( btSerializer* serializer ) = 0;
+	/// The base's multibodies and their joints; null where there is none of this index.
+	virtual btMultiBody* multiBody( int index ) = 0;
+	virtual btMultiBodyConstraint* multiBodyJoint( int index ) = 0;
 };
 /// @endcond
 
@@ -156,6 +165,32 @@ public:
 	[[nodiscard]] btVector3 attachmentForce( int id ) const;
 	/// The attachments that broke in the last stepSimulation, in order.
 	[[nodiscard]] const std::vector<AttachmentEvent>& attachmentEvents() const;
+
+	/// The contacts of bodies with SoftBody::setContactEvents in the last stepSimulation, one for each pair.
+	[[nodiscard]] const std::vector<ContactEvent>& contactEvents() const;
+
+	/// Adds a force field; wakes what it acts on. Not owned. BadArgument for one that is in a world already.
+	Status addForceField( ForceField& field );
+	/// Removes it; wakes what it acted on. False for one that is not in this world.
+	bool removeForceField( ForceField& field );
+	/// Number of force fields in the world.
+	[[nodiscard]] int forceFieldCount() const;
+	/// Pushes soft and rigid bodies away from a point, by the area that faces it; rigid bodies are not turned. Wakes what it pushes.
+	/// Returns the number of bodies. Not during a step. BadSettings for a setting out of range; BadArgument where a node would be faster
+	/// than 1e5 m/s.
+	Result<int> explode( const Explosion& explosion );
+
+	/// Moves the world's origin: `by`, m, is added to the coordinates of everything in the world; nothing wakes, and the next steps go on
+	/// as before. Moved with it: soft and rigid bodies, ghosts, multibodies, motion states, contacts, pins, and joints with one body, whose
+	/// frame is in the world. Exact for soft bodies by multiples of 1/16 m. Not during a step. Not moved: what the game keeps, actions and
+	/// force fields among it. BadArgument for a bad number, where something would be further out than 1e9 m, and in a world with
+	/// Bullet's own soft bodies.
+	Status shiftOrigin( const btVector3& by );
+
+	/// What debugDrawWorld draws of soft bodies.
+	void setDebugDrawing( const DebugDrawing& what );
+	/// The setting.
+	[[nodiscard]] const DebugDrawing& debugDrawing() const;
 
 	/// The Bullet world that the soft bodies are in.
 	[[nodiscard]] btDiscreteDynamicsWorld& bulletWorld() const;

@@ -117,7 +117,8 @@ public:
 		Base::clearForces();
 		endTick();
 	}
-	/// Soft bodies are drawn as the links of their surface (DBG_DrawWireframe) and crosses at pinned nodes (DBG_DrawConstraints).
+	/// Soft bodies are drawn as the links of their surface (DBG_DrawWireframe) and crosses at pinned nodes (DBG_DrawConstraints), or as
+	/// SoftBodyHost::setDebugDrawing says.
 	void debugDrawWorld() override
 	{
 		Base::debugDrawWorld();
@@ -184,6 +185,30 @@ private:
 	void baseAdd( btCollisionObject* object, int group, int mask ) final { Base::addCollisionObject( object, group, mask ); }
 	void baseRemove( btCollisionObject* object ) final { Base::removeCollisionObject( object ); }
 	void baseSerialize( btSerializer* serializer ) final { Base::serialize( serializer ); }
+	btMultiBody* multiBody( int index ) final { return multiBodyOf( *this, index, 0 ); }
+	btMultiBodyConstraint* multiBodyJoint( int index ) final { return multiBodyJointOf( *this, index, 0 ); }
+
+	// Of btMultiBodyDynamicsWorld and what derives from it; the second ones of all other bases.
+	template <class World>
+	static auto multiBodyOf( World& world, int index, int ) -> decltype( world.getMultiBody( index ) )
+	{
+		return index < world.getNumMultibodies() ? world.getMultiBody( index ) : nullptr;
+	}
+	template <class World>
+	static btMultiBody* multiBodyOf( World&, int, long )
+	{
+		return nullptr;
+	}
+	template <class World>
+	static auto multiBodyJointOf( World& world, int index, int ) -> decltype( world.getMultiBodyConstraint( index ) )
+	{
+		return index < world.getNumMultiBodyConstraints() ? world.getMultiBodyConstraint( index ) : nullptr;
+	}
+	template <class World>
+	static btMultiBodyConstraint* multiBodyJointOf( World&, int, long )
+	{
+		return nullptr;
+	}
 };
 
 } // namespace pliant

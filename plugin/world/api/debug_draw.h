@@ -2,6 +2,8 @@
 
 // Draws soft bodies with Bullet's debug drawer.
 
+#include "pliant/game/debug_draw.h"
+
 class btCollisionShape;
 class btIDebugDraw;
 class btVector3;
@@ -10,10 +12,11 @@ namespace pliant {
 
 class SoftBodySystem;
 
-/// Draws the soft body that has this shape in wireframe: the links of its surface. Returns false if no soft body has it.
-bool drawSoftBody( const SoftBodySystem& bodies, const btCollisionShape* shape, const btVector3& colour, btIDebugDraw& drawer );
+/// Draws the soft body that has this shape in wireframe. Returns false if no soft body has it.
+bool drawSoftBody(
+	const SoftBodySystem& bodies, const btCollisionShape* shape, const btVector3& colour, btIDebugDraw& drawer, const DebugDrawing& what );
 
-/// Draws a cross at each pinned node, with DBG_DrawConstraints.
-void drawPins( const SoftBodySystem& bodies, btIDebugDraw& drawer );
+/// Draws what is not part of a body: pins, attachments, contacts.
+void drawBetweenBodies( const SoftBodySystem& bodies, btIDebugDraw& drawer, const DebugDrawing& what );
 
 } // namespace pliant

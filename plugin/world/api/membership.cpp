@@ -13,7 +13,7 @@
 namespace pliant {
 
 SoftBodySystem::SoftBodySystem( btDiscreteDynamicsWorld& world, btDispatcher* dispatcher ) :
-	substeps( kDefaultSubsteps ), maxSubsteps( kDefaultMaxSubsteps ), ownRunner( createThreadPool( 1 ) ), m_world( world ),
+	fields( world ), substeps( kDefaultSubsteps ), maxSubsteps( kDefaultMaxSubsteps ), ownRunner( createThreadPool( 1 ) ), m_world( world ),
 	m_dispatcher( *static_cast<btCollisionDispatcher*>( dispatcher ) )
 {}
 

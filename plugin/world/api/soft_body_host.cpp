@@ -116,6 +116,16 @@ btDiscreteDynamicsWorld& SoftBodyHost::bulletWorld() const
 	return m_step->world();
 }
 
+void SoftBodyHost::setDebugDrawing( const DebugDrawing& what )
+{
+	m_step->bodies.drawing = what;
+}
+
+const DebugDrawing& SoftBodyHost::debugDrawing() const
+{
+	return m_step->bodies.drawing;
+}
+
 // === What the world's overrides call ===
 
 void SoftBodyHost::singleStep( btScalar timeStep )
@@ -197,14 +207,14 @@ void SoftBodyHost::hostDrawPins()
 {
 	if ( btIDebugDraw* const drawer = m_step->world().getDebugDrawer() )
 	{
-		drawPins( m_step->bodies, *drawer );
+		drawBetweenBodies( m_step->bodies, *drawer, m_step->bodies.drawing );
 	}
 }
 
 bool SoftBodyHost::hostDrawShape( const btCollisionShape* shape, const btVector3& colour )
 {
 	btIDebugDraw* const drawer = m_step->world().getDebugDrawer();
-	return drawer && drawSoftBody( m_step->bodies, shape, colour, *drawer );
+	return drawer && drawSoftBody( m_step->bodies, shape, colour, *drawer, m_step->bodies.drawing );
 }
 
 void SoftBodyHost::hostSerialize( btSerializer& serializer )

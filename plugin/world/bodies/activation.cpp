@@ -124,7 +124,7 @@ void SoftBodySystem::updateActivation( btScalar h )
 		const double calm = kAllowanceCalm * double( impl.shape->smallestRadius() );
 		impl.slowTime = impl.meanSquareSpeed < calm * calm ? impl.slowTime + double( h ) : 0.0;
 		const bool canSleep = state != DISABLE_DEACTIVATION && !gDisableDeactivation && gDeactivationTime > 0;
-		const btVector3 gravity = impl.hasOwnGravity ? impl.gravity : m_world.getGravity();
+		const btVector3 gravity = gravityOf( *body ) + impl.fieldAcceleration;
 		const bool maySleep = canSleep && isAtRest( impl, double( gravity.length() ) ) && !isDriven( *body );
 		body->setDeactivationTime( maySleep ? body->getDeactivationTime() + h : btScalar( 0 ) );
 		if ( state != DISABLE_DEACTIVATION )

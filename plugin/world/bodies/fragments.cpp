@@ -143,6 +143,9 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	impl.skin.tolerance = from.skin.tolerance;
 	impl.fading = from.fading;
 	impl.isKept = from.isKept;
+	impl.scale = from.scale;
+	impl.forces = SurfaceForces::ofPiece( from.forces.get(), from.fractureVersion );
+	impl.contactRecords = from.contactRecords ? std::make_unique<ContactRecords>() : nullptr;
 	impl.self = from.self ? std::make_unique<SelfCollision>() : nullptr;
 	const Fracture& settings = impl.body->fracture();
 	if ( piece.isSmall && settings.smallPieces == SmallPieces::Fade && impl.fading.time == 0.0f )
@@ -395,6 +398,10 @@ Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField& to
 	if ( status.ok() && fracture.rule != BreakRule::Never )
 	{
 		m_impl->bodyTemplate->crackComplex(); // built now, not when the first crack opens
+	}
+	if ( status.ok() )
+	{
+		activate( true ); // a sleeping body may be stretched beyond the new limit
 	}
 	return status;
 }

@@ -13,6 +13,8 @@
 #include "world/bodies/rigid_twin.h"
 #include "world/constants.h"
 #include "world/detect/node_contacts.h"
+#include "world/game/contact_records.h"
+#include "world/game/force_fields.h"
 #include "world/implicit/implicit_choice.h"
 #include "world/query/surface_shape.h"
 #include "world/shape/contact_proxy.h"
@@ -142,6 +144,9 @@ struct SoftBody::Impl
 	btVector3 gravity = btVector3( 0, 0, 0 );
 	btVector3 centralForce = btVector3( 0, 0, 0 );
 	bool hasNodeForces = false;
+	std::unique_ptr<SurfaceForces> forces;              ///< null: none has been needed
+	btVector3 fieldAcceleration = btVector3( 0, 0, 0 ); ///< the mean of force fields, m/s^2
+	std::unique_ptr<ContactRecords> contactRecords;     ///< null: no contact events are wanted
 
 	std::unique_ptr<RigidTwin> twin; ///< null while the body deforms
 	bool mustDeform = false;         ///< from the next step on; ignored without a twin
@@ -193,6 +198,8 @@ struct SoftBody::Impl
 	mutable std::vector<float> nodeAxes;   ///< rotations at the nodes (Body::nodeRotations), only with anisotropic friction
 	mutable SkinBuffers skin;
 	RestPositions rest;
+	std::shared_ptr<const BodyTemplate> unscaled; ///< the template at scale 1; null: never scaled
+	btScalar scale = btScalar( 1 );
 
 	btVector3 worldOrigin() const
 	{

@@ -130,10 +130,6 @@ AlgorithmTable::AlgorithmTable( btCollisionDispatcher& dispatcher ) : m_dispatch
 	{
 		for ( int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type )
 		{
-			if ( type == GIMPACT_SHAPE_PROXYTYPE )
-			{
-				continue;
-			}
 			m_entries.push_back( Entry{ COMPOUND_SHAPE_PROXYTYPE, type, kind, nullptr } );
 			if ( type != COMPOUND_SHAPE_PROXYTYPE )
 			{

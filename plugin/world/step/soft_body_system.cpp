@@ -162,11 +162,15 @@ void SoftBodySystem::forAwake( F&& work )
 	runTasks( tasks(), int( m_serial.size() ), alone );
 }
 
+btVector3 SoftBodySystem::gravityOf( const SoftBody& body ) const
+{
+	return body.impl().hasOwnGravity ? body.impl().gravity : m_world.getGravity();
+}
+
 Vec3 SoftBodySystem::ownAcceleration( const SoftBody& body ) const
 {
 	const SoftBody::Impl& impl = body.impl();
-	const btVector3 gravity = impl.hasOwnGravity ? impl.gravity : m_world.getGravity();
-	return toVec3( gravity + impl.centralForce / btScalar( impl.mass ) );
+	return toVec3( gravityOf( body ) + impl.centralForce / btScalar( impl.mass ) );
 }
 
 void SoftBodySystem::accelerate( btScalar h, int substep )
@@ -188,6 +192,7 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 		forAwake( [&]( SoftBody& body, TaskRunner* within ) {
 			SoftBody::Impl& impl = body.impl();
 			impl.isImplicit = stepsImplicitly( body );
+			fields.push( body, gravityOf( body ), double( h ) );
 			if ( impl.isImplicit )
 			{
 				impl.body->pushImplicitly( float( h ), impl.plan.alpha, ownAcceleration( body ), within );

@@ -2,6 +2,7 @@
 
 // The soft bodies of one world. WorldStep calls the stages in the order given in world_step.cpp.
 
+#include "pliant/game/debug_draw.h"
 #include "pliant/soft_body.h"
 #include "pliant/step_report.h"
 #include "pliant/task_runner.h"
@@ -9,6 +10,8 @@
 #include "world/bodies/skin_scratch_pool.h"
 #include "world/detect/node_algorithm.h"
 #include "world/detect/node_contacts.h"
+#include "world/game/contact_records.h"
+#include "world/game/force_fields.h"
 #include "world/implicit/implicit_choice.h"
 #include "world/implicit/implicit_solve.h"
 #include "world/respond/tunneling_guard.h"
@@ -113,6 +116,11 @@ public:
 	bool release( SoftBody& fragment );
 	std::vector<FractureEvent> events;
 	Attachments attachments;
+	ForceFields fields;
+	ContactEvents contactEvents;
+	DebugDrawing drawing;
+	/// Adds `by`, m, to the coordinates of soft bodies and of what refers to them.
+	void shift( const btVector3& by );
 	std::vector<SoftBody*> owned; ///< fragments that the game has not released
 	DebrisBudget debris;
 
@@ -145,6 +153,7 @@ private:
 	/// Whether the body has a single node and may step implicitly: nothing in it is elastic, so it needs no substeps.
 	bool isImplicitPoint( const SoftBody& body ) const;
 	StiffnessPlan planOf( const SoftBody& body, btScalar gameStep, int count ) const;
+	btVector3 gravityOf( const SoftBody& body ) const;  ///< its own or the world's, m/s^2
 	Vec3 ownAcceleration( const SoftBody& body ) const; ///< gravity and the game's force, m/s^2
 	/// Returns false if a number is not finite or a node is faster than kSpeedLimit.
 	bool sweepBox( SoftBody& body, btScalar h ) const;

@@ -117,11 +117,13 @@ void WorldStep::remove( btCollisionObject* object )
 void WorldStep::forgetObject( btCollisionObject& object )
 {
 	bodies.attachments.removeAllOf( object );
+	bodies.contactEvents.forget( object, bodies.bodies() );
 	bodies.group.noteRemoval( object, m_parts.world.getNumCollisionObjects() );
 	m_outside.forget( object );
 	if ( btRigidBody* const body = btRigidBody::upcast( &object ) )
 	{
 		m_rigid.forget( body );
+		bodies.fields.forget( *body );
 	}
 }
 

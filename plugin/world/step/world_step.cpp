@@ -34,6 +34,7 @@ void WorldStep::openTick()
 	m_isTickOver = false;
 	bodies.events.clear();
 	bodies.attachments.events.clear();
+	bodies.contactEvents.clear( bodies.bodies() );
 	bodies.removeFaded();
 }
 
@@ -53,6 +54,7 @@ void WorldStep::singleStep( btScalar timeStep )
 	{
 		return;
 	}
+	bodies.fields.pushRigid();
 	if ( bodies.isEmpty() )
 	{
 		bodies.report = StepReport{};
@@ -125,6 +127,7 @@ void WorldStep::makePasses( btScalar timeStep, int substeps )
 	if ( m_isStepping )
 	{
 		bodies.endStep();
+		bodies.contactEvents.endStep( *m_parts.dispatcher, bodies.bodies(), m_parts.world );
 	}
 	m_isStepping = false;
 }
@@ -182,6 +185,7 @@ void WorldStep::endTick()
 {
 	m_isTickOver = true;
 	bodies.clearForces();
+	bodies.fields.noteClearedForces();
 }
 
 // === The stages ===
@@ -302,6 +306,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 		m_rolling.apply();
 	}
 	bodies.hideTwins( dispatcher );
+	bodies.contactEvents.add( dispatcher, bodies.bodies() );
 	if ( bodies.pass() == StepPass::Substeps )
 	{
 		m_impulses.add( dispatcher );

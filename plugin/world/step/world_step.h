@@ -47,6 +47,7 @@ public:
 	void forget( btTypedConstraint& joint );
 
 	void serialize( btSerializer& serializer );
+	Status shiftOrigin( const btVector3& by );
 	btDiscreteDynamicsWorld& world() const { return m_parts.world; }
 
 private:
