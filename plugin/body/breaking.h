@@ -35,6 +35,10 @@ struct Breaking
 
 	/// Computes limits and planes for the settings.
 	void prepare( const Lattice& lattice, float strain, std::vector<float> toughness );
+	/// Writes or reads settings and limits. `isWhole`: the lattice is the template's, whose limits follow from the settings.
+	void archiveMake( Archive& archive, const Lattice& lattice, const Material& material, bool isWhole );
+	/// Writes or reads what changes from step to step.
+	void archiveState( Archive& archive, const Lattice& lattice );
 };
 
 /// A part of a body that has come apart. Its nodes are a subset of the body's, in the same order.

@@ -232,4 +232,7 @@ inline constexpr double kAttachedCentre = 1e-3;
 /// A neighbour shares a point if at least this fraction of its offset is across those of the neighbours before it.
 inline constexpr double kLeastAttachedSpan = 0.5;
 
+/// Tags of islands are below the number of a world's objects plus that of the group's islands; a snapshot with higher ones is refused.
+constexpr int kMostTags = 1 << 24;
+
 } // namespace pliant

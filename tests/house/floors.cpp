@@ -17,6 +17,7 @@ struct Floor
 
 const Floor kFloors[] = {
 	{ "plugin/include/", 0 },
+	{ "plugin/archive/", 1 },
 	{ "plugin/threads/", 1 },
 	{ "plugin/lattice/", 2 },
 	{ "plugin/adapt/", 3 },
@@ -36,10 +37,10 @@ const std::vector<std::vector<const char*>> kSubfolders = {
 		"plugin/matching/implicit/" },
 	{ "plugin/surface/kernels/", "plugin/surface/skin/", "plugin/surface/crack_shapes/", "plugin/surface/crack_complex/",
 		"plugin/surface/crack_state/", "plugin/surface/crack_mesh/" },
-	{ "plugin/body/levels/", "plugin/body/" },
+	{ "plugin/body/levels/", "plugin/body/", "plugin/body/state/" },
 	{ "plugin/world/", "plugin/world/shape/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/", "plugin/world/respond/",
 		"plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/", "plugin/world/bodies/",
-		"plugin/world/step/", "plugin/world/api/" },
+		"plugin/world/step/", "plugin/world/api/", "plugin/world/io/" },
 };
 
 constexpr std::size_t kMostFilesOfAFolder = 20;

@@ -131,6 +131,11 @@ public:
 	void change( NodeState& nodes, LatticeMatcher& matcher, const Material& material, const std::vector<std::uint32_t>& split,
 		const std::vector<std::uint32_t>& merge, TaskRunner* tasks = nullptr, bool measuresEnergy = false );
 
+	/// Writes or reads everything but the cut and what follows from it, for levels made with this cut.
+	void archive( Archive& archive );
+	/// Writes or reads the numbers of the tables; the base belongs to this body alone then.
+	void archiveTables( Archive& archive );
+
 	std::size_t bytes() const;
 
 private:

@@ -50,6 +50,7 @@ public:
 		btDispatcher*& dispatcher;
 		btSimulationIslandManager*& islandManager;
 		btInternalTickCallback &preTick, &tick;
+		btScalar &localTime, &fixedStep; ///< s, that stepSimulation carries over to the next call
 		bool hasIslandManagerMt; ///< islandManager is a btSimulationIslandManagerMt
 		bool hasOwnSingleStep;   ///< the base replaces btDiscreteDynamicsWorld::internalSingleStepSimulation
 		bool hasOwnIslands;      ///< the base replaces btDiscreteDynamicsWorld::calculateSimulationIslands
@@ -156,6 +157,9 @@ public:
 	[[nodiscard]] btDiscreteDynamicsWorld& bulletWorld() const;
 
 	/// @cond INTERNAL
+	/// For Pliant's own sources only.
+	WorldStep& step() const { return *m_step; }
+
 protected:
 	SoftBodyHost();
 	~SoftBodyHost();

@@ -24,6 +24,7 @@
 
 namespace pliant {
 
+class Archive;
 class SoftBodySystem;
 
 enum class PinKind : int
@@ -162,6 +163,7 @@ struct SoftBody::Impl
 	mutable int partingPhases = 0;          ///< above 0: it is being separated (parting.h), without tunneling guard
 	unsigned placements = 0;                ///< count of placements
 	unsigned numbering = 0;                 ///< count of renumberings of nodes
+	unsigned versionShift = 0;              ///< of the versions that the game sees: a restored body has none that it had before
 	/// A node (with Adaptivity::refinesOnContact) near another object in this substep, and what is requested for it.
 	struct Near
 	{
@@ -252,6 +254,15 @@ struct SoftBody::Impl
 	/// Turns the body into its remainder.
 	void adopt( SoftBody& owner, BodyPiece& piece, Remains remains );
 	static std::unique_ptr<SoftBody> makeFragment( const SoftBody& parent, BodyPiece& piece );
+
+	// Saving (world/io/impl_archive.cpp).
+	/// Writes or reads what the body is made of: the core and its spheres. Reading needs a new body of this template.
+	void archiveMake( Archive& archive );
+	/// Writes or reads all that changes from step to step, but what refers to other objects.
+	void archiveState( Archive& archive );
+	/// Makes this the implementation of a body, in place of the one that it has, if any, whose buffers for drawing it takes over.
+	static void install( SoftBody& owner, std::unique_ptr<Impl> impl );
+	static std::unique_ptr<SoftBody> blank() { return std::unique_ptr<SoftBody>( new SoftBody ); }
 	/// Completes a body whose core exists.
 	void finish( SoftBody& owner );
 };

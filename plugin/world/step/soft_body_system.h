@@ -24,6 +24,8 @@ class btCollisionDispatcher;
 
 namespace pliant {
 
+class WorldSnapshot;
+
 class SoftBodySystem
 {
 public:
@@ -129,6 +131,7 @@ public:
 	const btDiscreteDynamicsWorld& world() const { return m_world; }
 
 private:
+	friend class WorldSnapshot;
 	bool moves( const SoftBody& body ) const;
 	void moveHeldBodies();
 	ImplicitSolve& implicitSolve() { return m_implicit[int( m_pass )]; }

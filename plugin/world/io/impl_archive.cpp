@@ -1,0 +1,139 @@
+// A soft body's own state as bytes: everything that refers to no other object.
+
+#include "archive/settings_archive.h"
+#include "body/levels/levels.h"
+#include "lattice/features.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/io/body_record.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+void archive( Archive& archive, ElasticityState& state )
+{
+	auto& [isImplicit, calmTime, load, checksLoads, needsImplicit, heaviestLoad, impulse, nodeMass] = state;
+	archive( isImplicit, calmTime, load, checksLoads, needsImplicit, heaviestLoad, impulse, nodeMass );
+}
+
+void archive( Archive& archive, SeparatedPair& pair )
+{
+	archive( pair.other, pair.slack );
+}
+
+void archive( Archive& archive, Fading& fading )
+{
+	auto& [time, left, isOver] = fading;
+	archive( time, left, isOver );
+}
+
+void archive( Archive& archive, RestPositions& rest )
+{
+	auto& [positions, origin, numbering] = rest;
+	archive( positions, origin, numbering );
+}
+
+void archive( Archive& archive, SoftBody::Impl::Near& near )
+{
+	archive( near.node );
+	archive.choice( near.request, SoftBody::Impl::Near::Request::SplitLater );
+}
+
+void archive( Archive& archive, CutTrace& cut )
+{
+	archive( cut.link.a, cut.link.b, cut.point, cut.normal );
+}
+
+void SoftBody::Impl::archiveMake( Archive& archive )
+{
+	if ( archive.isReading() )
+	{
+		body = Body::blank();
+	}
+	body->archiveMake( archive, Body::Shared{ bodyTemplate->sharedLattice(), bodyTemplate->cache() } );
+	bool collidesWithItself = self != nullptr;
+	archive( collidesWithItself );
+	if ( archive.isReading() && archive.isSound() )
+	{
+		archive.require( !collidesWithItself || hasFeature( Feature::SelfCollision ), "This build of the library has no self-collision." );
+		self = collidesWithItself ? std::make_unique<SelfCollision>() : nullptr;
+		shape = std::make_unique<NodeShape>( *body );
+	}
+	if ( archive.isSound() )
+	{
+		shape->archive( archive, *body );
+	}
+}
+
+// Not stored: what a substep makes for itself, what is read from Bullet's object or from the lattice again, and what only drawing needs.
+void SoftBody::Impl::archiveState( Archive& archive )
+{
+	body->archiveState( archive );
+	const int count = body->nodeCount();
+	archive( shapeShift, mass, meanSquareSpeed, slowTime, isBroken, plan, elasticity, isImplicit, lastSubstep, isGuarded, isHealthy,
+		stateBefore, hasOwnGravity, gravity, centralForce, hasNodeForces, heldBefore, fractureVersion, separatedPairs, fading, newCuts,
+		partingPhases, placements, numbering, nearNodes, nodeAxes, rest, skin.tolerance );
+	allowance.archive( archive, count );
+	if ( self )
+	{
+		self->search.archive( archive );
+	}
+	btVector3 sweepLow = shape->sweepLow(), sweepHigh = shape->sweepHigh();
+	archive( sweepLow, sweepHigh );
+	if ( !archive.isReading() )
+	{
+		return;
+	}
+	const auto isNode = [count]( const Near& near ) { return near.node >= 0 && near.node < count; };
+	archive.require( std::isfinite( mass ) && mass > 0.0 && shapeShift.allFinite() && std::isfinite( meanSquareSpeed ) &&
+			std::isfinite( lastSubstep ) && std::isfinite( skin.tolerance ) &&
+			( heldBefore.empty() || heldBefore.size() == std::size_t( count ) ) &&
+			( nodeAxes.empty() || nodeAxes.size() == 4 * std::size_t( count ) ) &&
+			std::all_of( nearNodes.begin(), nearNodes.end(), isNode ) && std::is_sorted( separatedPairs.begin(), separatedPairs.end() ),
+		"The state of a body is not valid." );
+	if ( archive.isSound() )
+	{
+		shape->place( body->nodes(), shapeShift );
+		shape->freshen();
+		shape->setSweep( sweepLow, sweepHigh );
+		skin.nodesMoved();
+	}
+}
+
+namespace {
+
+/// The shift with which a version that was shown as `shown` is shown as a later one, whatever it is now.
+int shiftPast( unsigned shown, unsigned now )
+{
+	return int( shown + 1 - now );
+}
+
+} // namespace
+
+void SoftBody::Impl::install( SoftBody& owner, std::unique_ptr<Impl> impl )
+{
+	if ( owner.m_impl )
+	{
+		const unsigned fracture = owner.fractureVersion(), levels = owner.levelVersion();
+		const double tolerance = impl->skin.tolerance;
+		Impl& before = *owner.m_impl;
+		const Levels* const now = impl->body->levels();
+		const int shift = std::max( shiftPast( fracture, impl->fractureVersion ), now ? shiftPast( levels, now->version() ) : 0 );
+		impl->versionShift = unsigned( shift );
+		impl->wasDrawn = impl->wasDrawn || before.isDrawn();
+		impl->skin = std::move( before.skin );
+		impl->skin.fade.clear();
+		impl->skin.tolerance = tolerance;
+		impl->skin.nodesChanged();
+		impl->surface = before.surface;
+		impl->system = before.system;
+	}
+	owner.m_impl = std::move( impl );
+	Impl& now = *owner.m_impl;
+	now.proxyOfNode.assign( std::size_t( now.body->nodeCount() ), nullptr );
+	owner.m_internalType = kInternalType;
+	owner.internalSetExtensionPointer( const_cast<char*>( &kSoftBodyMark ) );
+	owner.setCollisionShape( now.shape.get() );
+}
+
+} // namespace pliant
