@@ -7,6 +7,7 @@
 #include "world/io/body_record.h"
 
 #include <algorithm>
+#include <tuple>
 
 namespace pliant {
 
@@ -70,9 +71,12 @@ void SoftBody::Impl::archiveState( Archive& archive )
 {
 	body->archiveState( archive );
 	const int count = body->nodeCount();
+	std::vector<Near> near = nearNodes; // found in the order of the spheres' rows, and used in none
+	std::sort( near.begin(), near.end(),
+		[]( const Near& a, const Near& b ) { return std::tie( a.node, a.request ) < std::tie( b.node, b.request ); } );
 	archive( shapeShift, mass, meanSquareSpeed, slowTime, isBroken, plan, elasticity, isImplicit, lastSubstep, isGuarded, isHealthy,
 		stateBefore, hasOwnGravity, gravity, centralForce, hasNodeForces, heldBefore, fractureVersion, separatedPairs, fading, newCuts,
-		partingPhases, placements, numbering, nearNodes, nodeAxes, rest, skin.tolerance );
+		partingPhases, placements, numbering, near, nodeAxes, rest, skin.tolerance );
 	allowance.archive( archive, count );
 	if ( self )
 	{
@@ -84,6 +88,7 @@ void SoftBody::Impl::archiveState( Archive& archive )
 	{
 		return;
 	}
+	nearNodes = std::move( near );
 	const auto isNode = [count]( const Near& near ) { return near.node >= 0 && near.node < count; };
 	archive.require( std::isfinite( mass ) && mass > 0.0 && shapeShift.allFinite() && std::isfinite( meanSquareSpeed ) &&
 			std::isfinite( lastSubstep ) && std::isfinite( skin.tolerance ) &&

@@ -198,6 +198,11 @@ void WorldSnapshot::restoreReferences()
 
 void WorldSnapshot::restorePairs()
 {
+	for ( const Entry& entry : m_entries )
+	{
+		// Bullet makes no manifold for two objects that sleep. Their states follow.
+		entry.record < 0 ? entry.object->forceActivationState( ACTIVE_TAG ) : void();
+	}
 	for ( const PairRecord& record : m_pairs )
 	{
 		if ( record.first != record.second )

@@ -14,6 +14,7 @@ struct SnapshotScene
 	const char* name;
 	void ( *build )( TestWorld& );
 	int before, after; ///< steps before it is saved, and after
+	int pieces = 0;    ///< of it at least, in the end
 };
 
 void PrintTo( const SnapshotScene& scene, std::ostream* out )
@@ -116,6 +117,8 @@ TEST_P( SnapshotOf, ScenesStepsOnAsTheScene )
 	const int bodies = world.world.softBodyCount();
 	world.run( scene.after );
 	const Bytes wanted = savedWorld( world.world );
+	EXPECT_GE( world.world.fragmentCount(), scene.pieces );
+	printf("%s: saved %d of %d fragments, %zu bytes\n", scene.name, bodies, world.world.softBodyCount(), saved.size() );
 
 	for ( const bool isForeign : { false, true } )
 	{
