@@ -24,6 +24,18 @@ inline Bytes savedWorld( const SoftBodyHost& world, bool withTemplates = false )
 	return bytes;
 }
 
+/// What two worlds in equal states have in common.
+inline Bytes stateOf( const SoftBodyHost& world )
+{
+	Bytes bytes;
+	SaveSettings settings;
+	settings.withTemplates = false;
+	settings.forComparison = true;
+	const Status status = saveWorld( world, bytes, settings );
+	EXPECT_TRUE( status.ok() ) << status.sentence;
+	return bytes;
+}
+
 /// The same snapshot as another process would have written it: nothing in it is taken on trust.
 inline Bytes foreign( Bytes bytes )
 {
@@ -32,16 +44,12 @@ inline Bytes foreign( Bytes bytes )
 	return bytes;
 }
 
-/// The first byte that differs, of those that both have; the shorter size if there is none.
-inline std::size_t firstDifference( const Bytes& a, const Bytes& b )
+inline testing::AssertionResult areEqual( const Bytes& a, const Bytes& b )
 {
-	constexpr std::size_t kHeader = 40;
-	std::size_t at = std::min( kHeader, std::min( a.size(), b.size() ) );
-	while ( at < std::min( a.size(), b.size() ) && a[at] == b[at] )
-	{
-		++at;
-	}
-	return at;
+	const auto different = std::mismatch( a.begin(), a.begin() + std::ptrdiff_t( std::min( a.size(), b.size() ) ), b.begin() );
+	return a == b ? testing::AssertionSuccess()
+				  : testing::AssertionFailure() << "of " << a.size() << " and " << b.size() << " bytes, the first different one is "
+												<< different.first - a.begin();
 }
 
 } // namespace pliant::test

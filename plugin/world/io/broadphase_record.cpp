@@ -194,10 +194,10 @@ void BroadphaseRecord::fillTrees( btDbvtBroadphase& to, const Objects& objects )
 	to.m_needcleanup = m_needsCleanup;
 }
 
-BroadphaseRecord BroadphaseRecord::of( btBroadphaseInterface& broadphase, const Objects& objects )
+BroadphaseRecord BroadphaseRecord::of( btBroadphaseInterface& broadphase, const Objects& objects, bool withTrees )
 {
 	BroadphaseRecord record;
-	const btDbvtBroadphase* const trees = treesOf( broadphase );
+	const btDbvtBroadphase* const trees = withTrees ? treesOf( broadphase ) : nullptr;
 	for ( int k = 0; k < objects.size(); ++k )
 	{
 		const btBroadphaseProxy& proxy = *objects[k]->getBroadphaseHandle();

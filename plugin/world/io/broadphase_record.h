@@ -21,7 +21,8 @@ class BroadphaseRecord
 public:
 	using Objects = btAlignedObjectArray<btCollisionObject*>;
 
-	static BroadphaseRecord of( btBroadphaseInterface& broadphase, const Objects& objects );
+	/// `withTrees`: false: the boxes only.
+	static BroadphaseRecord of( btBroadphaseInterface& broadphase, const Objects& objects, bool withTrees );
 	/// For the same objects in the same order. Call when there are no pairs.
 	void applyTo( btBroadphaseInterface& broadphase, Objects& objects, btDispatcher* dispatcher ) const;
 	/// `objects`: their number.

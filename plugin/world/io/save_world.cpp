@@ -126,7 +126,7 @@ void WorldSnapshot::collect( const SaveSettings& settings )
 	}
 	collectValues();
 	collectAttachments();
-	m_broadphase = BroadphaseRecord::of( *m_step.m_parts.world.getBroadphase(), objects );
+	m_broadphase = BroadphaseRecord::of( *m_step.m_parts.world.getBroadphase(), objects, !settings.forComparison );
 	collectPairs();
 }
 

@@ -46,6 +46,10 @@ struct SaveSettings
 	/// Whether the templates are stored too. If not, the loader must have them: a snapshot without them has the state only (a rollback).
 	bool withTemplates = true;
 
+	/// Whether a world's snapshot leaves out what depends on where Bullet's objects lie in memory (the trees of its broadphase): worlds in
+	/// equal states then have equal bytes, which tells whether two machines have diverged. Not for restoring to the last bit.
+	bool forComparison = false;
+
 	/// The game's number of an object of the world that is no soft body, by which it is found again. Null: its index among those objects.
 	std::int64_t ( *idOf )( const btCollisionObject& object, void* context ) = nullptr;
 	void* context = nullptr; ///< passed to `idOf`
