@@ -100,11 +100,12 @@ public:
 			raw( array.data(), std::size_t( count ) * sizeof( T ) );
 		}
 	}
-	/// An array that is either empty or has at least `length` entries, of which the first `count` are stored.
+	/// An array that has at least `length` entries, of which the first `count` are stored, or else counts as empty: it is empty, or of
+	/// another length and waits to be made again.
 	template <class T, class A>
 	void entriesOrNone( std::vector<T, A>& array, int count, int length )
 	{
-		bool isAny = !array.empty();
+		bool isAny = !array.empty() && array.size() >= std::size_t( count );
 		value( isAny );
 		if ( isReading() )
 		{
