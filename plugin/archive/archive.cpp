@@ -5,7 +5,9 @@ namespace pliant {
 namespace {
 
 // Odd numbers with bits in no order: a product with one of them mixes all lower bits into the higher ones.
-constexpr std::uint64_t kMix[4] = { 0x9e3779b97f4a7c15u, 0xc2b2ae3d27d4eb4fu, 0x165667b19e3779f9u, 0xd6e8feb86659fd93u };
+constexpr std::uint64_t kMix[8] = { 0x9e3779b97f4a7c15u, 0xc2b2ae3d27d4eb4fu, 0x165667b19e3779f9u, 0xd6e8feb86659fd93u, 0x85ebca77c2b2ae63u,
+	0x27d4eb2f165667c5u, 0xff51afd7ed558ccdu, 0xc4ceb9fe1a85ec53u };
+constexpr std::size_t kLanes = 8; // independent of one another, so that a processor works on all at once
 
 std::uint64_t wordAt( const std::byte* data )
 {
@@ -62,20 +64,24 @@ const std::byte* Archive::take( std::size_t size )
 	return first;
 }
 
-// Four lanes, each of which a word changes whatever came before and comes after: each step can be undone.
+// A word changes its lane whatever came before and comes after: each step can be undone.
 std::uint64_t hashOf( const std::byte* data, std::size_t size, std::uint64_t seed )
 {
-	std::uint64_t lane[4] = { seed ^ kMix[3], seed ^ kMix[2], seed ^ kMix[1], seed ^ kMix[0] };
-	std::size_t at = 0;
-	for ( ; at + 4 * sizeof( std::uint64_t ) <= size; at += 4 * sizeof( std::uint64_t ) )
+	std::uint64_t lane[kLanes];
+	for ( std::size_t k = 0; k < kLanes; ++k )
 	{
-		for ( std::size_t k = 0; k < 4; ++k )
+		lane[k] = seed ^ kMix[kLanes - 1 - k];
+	}
+	std::size_t at = 0;
+	for ( ; at + sizeof( lane ) <= size; at += sizeof( lane ) )
+	{
+		for ( std::size_t k = 0; k < kLanes; ++k )
 		{
 			lane[k] = mixed( lane[k], wordAt( data + at + k * sizeof( std::uint64_t ) ), kMix[k] );
 		}
 	}
 	std::uint64_t hash = std::uint64_t( size ) * kMix[0];
-	for ( std::size_t k = 0; k < 4; ++k )
+	for ( std::size_t k = 0; k < kLanes; ++k )
 	{
 		hash = mixed( hash, lane[k], kMix[k] );
 	}

@@ -38,7 +38,10 @@ struct IsFlat<std::array<T, N>> : std::bool_constant<IsFlat<T>::value && sizeof(
 {};
 
 template <class T>
-concept HasArchive = requires( T& value, Archive& archive ) { value.archive( archive ); };
+concept HasArchive = requires( T& value, Archive& archive )
+{
+	value.archive( archive );
+};
 
 class Archive
 {

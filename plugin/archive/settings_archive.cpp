@@ -7,7 +7,8 @@ namespace pliant {
 void archive( Archive& archive, Material& material )
 {
 	auto& [density, youngsModulus, stiffness, alpha, beta, volumeKeeping, yieldStrain, plasticCreep, plasticLimit, regionHalfWidth,
-		farLevels, damping, wobbleDamping, elasticity, numericalDamping, method, clusterMode, clusterEdge, weights, rotationFrom] = material;
+		farLevels, damping, wobbleDamping, elasticity, numericalDamping, method, clusterMode, clusterEdge, weights,
+		rotationFrom] = material;
 	archive( density, youngsModulus, alpha, beta, volumeKeeping, yieldStrain, plasticCreep, plasticLimit, regionHalfWidth, farLevels,
 		damping, wobbleDamping, numericalDamping, clusterEdge );
 	archive.choice( stiffness, Stiffness::RawAlpha );

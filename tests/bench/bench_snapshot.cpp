@@ -1,5 +1,5 @@
-// Rollback: 20 bodies of 300 nodes saved without their templates and restored, one thread. In flight, at rest on the floor, and after a step
-// in between, as a game with rollback does it.
+// Rollback: 20 bodies of 300 nodes saved without their templates and restored, one thread. In flight, at rest on the floor, and after a
+// step in between, as a game with rollback does it.
 
 #include "pliant/io/snapshot.h"
 #include "support/test_world.h"
@@ -63,8 +63,11 @@ void saveState( benchmark::State& state, Place place )
 	report( state, world, bytes );
 }
 
-void restoreState( benchmark::State& state, Place place )
+/// `steps`: the game steps at once, and casts no rays before.
+void restoreState( benchmark::State& state, Place place, bool steps )
 {
+	LoadSettings settings;
+	settings.withQueries = !steps;
 	test::SoftWorld world;
 	fill( world, place );
 	std::vector<std::byte> bytes;
@@ -72,7 +75,7 @@ void restoreState( benchmark::State& state, Place place )
 	world.step( 1 );
 	for ( auto _ : state )
 	{
-		const bool isRestored = restoreWorld( world.world, bytes ).ok();
+		const bool isRestored = restoreWorld( world.world, bytes, settings ).ok();
 		benchmark::DoNotOptimize( isRestored );
 	}
 	report( state, world, bytes );
@@ -83,7 +86,9 @@ const int kRegistered = [] {
 	{
 		const std::string name = place == InFlight ? "inFlight" : "onFloor";
 		benchmark::RegisterBenchmark( ( "snapshotSave/" + name ).c_str(), saveState, place )->Unit( benchmark::kMicrosecond );
-		benchmark::RegisterBenchmark( ( "snapshotRestore/" + name ).c_str(), restoreState, place )->Unit( benchmark::kMicrosecond );
+		benchmark::RegisterBenchmark( ( "snapshotRestore/" + name ).c_str(), restoreState, place, false )->Unit( benchmark::kMicrosecond );
+		benchmark::RegisterBenchmark( ( "snapshotRestoreToStep/" + name ).c_str(), restoreState, place, true )
+			->Unit( benchmark::kMicrosecond );
 	}
 	return 0;
 }();

@@ -80,18 +80,21 @@ private:
 		{
 			case 0: bytes.resize( at ); break;
 			case 1: bytes[at] ^= std::byte( 1u << number( 8 ) ); break;
-			case 2:
-			{
-				static const std::uint32_t values[] = { 0, 1, 2, 0xffffffffu, 0x7fffffffu, 0x80000000u, 0x7fc00000u, 0x7f800000u, 0x7149f2cau };
+			case 2: {
+				static const std::uint32_t values[] = {
+					0, 1, 2, 0xffffffffu, 0x7fffffffu, 0x80000000u, 0x7fc00000u, 0x7f800000u, 0x7149f2cau };
 				const std::uint32_t value = values[number( std::size( values ) )];
 				std::memcpy( bytes.data() + at, &value, std::min( sizeof( value ), bytes.size() - at ) );
 				break;
 			}
-			case 3: bytes.erase( bytes.begin() + std::ptrdiff_t( at ), bytes.begin() + std::ptrdiff_t( std::min( bytes.size(), at + number( 64 ) ) ) ); break;
+			case 3:
+				bytes.erase(
+					bytes.begin() + std::ptrdiff_t( at ), bytes.begin() + std::ptrdiff_t( std::min( bytes.size(), at + number( 64 ) ) ) );
+				break;
 			case 4: bytes.insert( bytes.begin() + std::ptrdiff_t( at ), number( 64 ), std::byte( number( 256 ) ) ); break;
-			default:
-			{
-				const std::size_t from = number( m_state.size() ), count = std::min( { number( 256 ), bytes.size() - at, m_state.size() - from } );
+			default: {
+				const std::size_t from = number( m_state.size() ),
+								  count = std::min( { number( 256 ), bytes.size() - at, m_state.size() - from } );
 				std::copy_n( m_state.begin() + std::ptrdiff_t( from ), count, bytes.begin() + std::ptrdiff_t( at ) );
 			}
 		}

@@ -48,8 +48,8 @@ inline testing::AssertionResult areEqual( const Bytes& a, const Bytes& b )
 {
 	const auto different = std::mismatch( a.begin(), a.begin() + std::ptrdiff_t( std::min( a.size(), b.size() ) ), b.begin() );
 	return a == b ? testing::AssertionSuccess()
-				  : testing::AssertionFailure() << "of " << a.size() << " and " << b.size() << " bytes, the first different one is "
-												<< different.first - a.begin();
+				  : testing::AssertionFailure()
+			<< "of " << a.size() << " and " << b.size() << " bytes, the first different one is " << different.first - a.begin();
 }
 
 } // namespace pliant::test

@@ -1,5 +1,5 @@
-// What a body is made of, and its state, as bytes. Tables follow from the lattice; only where links have broken, their numbers depend on how
-// they came about, and are stored.
+// What a body is made of, and its state, as bytes. Tables follow from the lattice; only where links have broken, their numbers depend on
+// how they came about, and are stored.
 
 #include "archive/settings_archive.h"
 #include "body/body.h"
@@ -74,7 +74,8 @@ void Body::archiveMake( Archive& archive, const Shared& shared )
 		return;
 	}
 	const auto cells = std::size_t( m_lattice->cellCount() );
-	archive.require( ( m_firstCell.empty() ? isWhole : m_firstCell.size() == cells ) && ( m_stiffness.empty() || m_stiffness.size() == cells ) &&
+	archive.require( ( m_firstCell.empty() ? isWhole : m_firstCell.size() == cells ) &&
+			( m_stiffness.empty() || m_stiffness.size() == cells ) &&
 			areBelow( m_firstCell, std::uint32_t( shared.lattice->cellCount() ) ) && areRising( m_firstCell ) &&
 			( isWhole || m_lattice->cellSize == shared.lattice->cellSize ),
 		"A body's cells are not those of its template." );

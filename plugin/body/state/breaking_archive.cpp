@@ -3,23 +3,25 @@
 #include "archive/settings_archive.h"
 #include "body/breaking.h"
 
-#include <algorithm>
-
 namespace pliant {
 
 namespace {
 
-/// The limits of all links, as they were inherited from body to piece.
-void archiveLimits( Archive& archive, LinkLimits& limits, const Lattice& lattice )
+/// The limits of all links, as they were inherited from body to piece; the links are the lattice's.
+void archiveLimits( Archive& archive, LinkLimits& limits, const Lattice& lattice, float strain )
 {
-	auto& [start, to, toughness, lengthSquared, weakest] = limits;
-	archive( start, to, toughness, lengthSquared, weakest );
-	const auto cells = std::uint32_t( lattice.cellCount() );
-	archive.require( start.size() == std::size_t( cells ) + 1 && start.front() == 0 && start.back() == to.size() &&
-			std::is_sorted( start.begin(), start.end() ) && lengthSquared.size() == to.size() &&
-			( toughness.empty() || toughness.size() == to.size() ) &&
-			std::all_of( to.begin(), to.end(), [cells]( std::uint32_t cell ) { return cell < cells; } ),
-		"The limits of the links are not valid." );
+	archive( limits.toughness );
+	if ( !archive.require( limits.toughness.empty() || limits.toughness.size() == std::size_t( lattice.linkCount() ),
+			 "The toughness is that of another body." ) )
+	{
+		return;
+	}
+	if ( archive.isReading() )
+	{
+		limits = limitLinks( lattice, strain, std::vector<float>( limits.toughness ) );
+	}
+	archive.sameLength( limits.lengthSquared );
+	archive( limits.weakest );
 }
 
 } // namespace
@@ -33,7 +35,7 @@ void Breaking::archiveMake( Archive& archive, const Lattice& lattice, const Mate
 	}
 	if ( !isWhole )
 	{
-		archiveLimits( archive, limits, lattice );
+		archiveLimits( archive, limits, lattice, breakStrain( settings, material ) );
 		if ( archive.isReading() && settings.rule == BreakRule::Plane )
 		{
 			planes = std::make_unique<PlaneCracks>( breakStrain( settings, material ), settings.growthFraction );

@@ -51,9 +51,9 @@ public:
 		btSimulationIslandManager*& islandManager;
 		btInternalTickCallback &preTick, &tick;
 		btScalar &localTime, &fixedStep; ///< s, that stepSimulation carries over to the next call
-		bool hasIslandManagerMt; ///< islandManager is a btSimulationIslandManagerMt
-		bool hasOwnSingleStep;   ///< the base replaces btDiscreteDynamicsWorld::internalSingleStepSimulation
-		bool hasOwnIslands;      ///< the base replaces btDiscreteDynamicsWorld::calculateSimulationIslands
+		bool hasIslandManagerMt;         ///< islandManager is a btSimulationIslandManagerMt
+		bool hasOwnSingleStep;           ///< the base replaces btDiscreteDynamicsWorld::internalSingleStepSimulation
+		bool hasOwnIslands;              ///< the base replaces btDiscreteDynamicsWorld::calculateSimulationIslands
 	};
 
 	// The stages as the game's class has them. h in s.

@@ -15,7 +15,8 @@ void SkinBinding::archive( Archive& archive, std::size_t vertices, std::size_t c
 	}
 	if ( kind == Skinning::None )
 	{
-		archive.require( vertices == 0 && node.empty() && restPosition.empty() && normalGroup.empty(), "A skin without a kind has vertices." );
+		archive.require(
+			vertices == 0 && node.empty() && restPosition.empty() && normalGroup.empty(), "A skin without a kind has vertices." );
 		return;
 	}
 	const auto isBelow = []( std::size_t limit ) { return [limit]( std::uint32_t index ) { return index < limit; }; };
@@ -28,7 +29,8 @@ void SkinBinding::archive( Archive& archive, std::size_t vertices, std::size_t c
 	archive.requireFinite( weight, weight.size() );
 	for ( const std::vector<Vec3>* const list : { &restPosition, &restNormal, &normalShift } )
 	{
-		archive.require( std::all_of( list->begin(), list->end(), []( const Vec3& v ) { return v.allFinite(); } ), "A skin is not finite." );
+		archive.require(
+			std::all_of( list->begin(), list->end(), []( const Vec3& v ) { return v.allFinite(); } ), "A skin is not finite." );
 	}
 }
 

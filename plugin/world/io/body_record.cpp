@@ -93,13 +93,13 @@ void BodyRecord::read( Archive& archive, const std::vector<std::shared_ptr<const
 	{
 		archive.require( pin.node >= 0 && pin.node < count, "A pin holds a node that does not exist." );
 	}
-	archive.require( std::adjacent_find( pins.begin(), pins.end(), []( const StoredPin& a, const StoredPin& b ) { return a.node >= b.node; } ) ==
-			pins.end(),
+	archive.require( std::adjacent_find( pins.begin(), pins.end(),
+						 []( const StoredPin& a, const StoredPin& b ) { return a.node >= b.node; } ) == pins.end(),
 		"Pins are not in order." );
 	made->wasDrawn = isDrawn;
 }
 
-void BodyRecord::applyTo( SoftBody& body )
+void BodyRecord::applyTo( SoftBody& body, bool freshens )
 {
 	if ( made )
 	{
@@ -109,6 +109,7 @@ void BodyRecord::applyTo( SoftBody& body )
 	{
 		body.impl().archiveState( state );
 	}
+	freshens ? body.impl().shape->freshen() : void();
 	settings.applyTo( body );
 	body.setWorldTransform( motion.transform );
 	body.setInterpolationWorldTransform( motion.interpolation );

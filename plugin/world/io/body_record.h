@@ -33,7 +33,7 @@ struct BodyRecord
 	ObjectState motion;
 	ObjectSettings settings;
 	std::vector<StoredPin> pins;
-	std::unique_ptr<SoftBody::Impl> made;              ///< what was read; null: to be read in place, from `state`
+	std::unique_ptr<SoftBody::Impl> made;                 ///< what was read; null: to be read in place, from `state`
 	Archive state = Archive( nullptr, std::size_t( 0 ) ); ///< not read yet
 
 	/// Everything that is stored of a body but what it is made of and its state. `pinned`: the index of a pin's object.
@@ -43,8 +43,8 @@ struct BodyRecord
 	static void write( Archive& archive, const SoftBody& body, BodyRecord& record );
 	/// Reads them. `live`: a body that is to be this one, or null; it is read in place later where that cannot fail.
 	void read( Archive& archive, const std::vector<std::shared_ptr<const BodyTemplate>>& templates, SoftBody* live );
-	/// Makes `body` the recorded one, but for what refers to other objects.
-	void applyTo( SoftBody& body );
+	/// Makes `body` the recorded one, but for what refers to other objects. `freshens`: its shape is ready for queries.
+	void applyTo( SoftBody& body, bool freshens = true );
 };
 
 } // namespace pliant

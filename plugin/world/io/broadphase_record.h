@@ -1,8 +1,8 @@
 #pragma once
 
-// The broadphase as bytes. In which order it finds new pairs decides on the order of contacts, and so on the last bits of a step. That order
-// follows from the trees of a btDbvtBroadphase, which follow from all earlier steps; so the trees are stored as they are. Other broadphases
-// get the objects' boxes.
+// The broadphase as bytes. In which order it finds new pairs decides on the order of contacts, and so on the last bits of a step. That
+// order follows from the trees of a btDbvtBroadphase, which follow from all earlier steps; so the trees are stored as they are. Other
+// broadphases get the objects' boxes.
 
 #include "archive/archive.h"
 

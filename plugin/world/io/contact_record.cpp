@@ -27,8 +27,8 @@ void forNumbers( Point& point, const Scalar& scalar, const Integer& integer )
 	{
 		scalar( *number );
 	}
-	for ( auto* const number : { &point.m_partId0, &point.m_partId1, &point.m_index0, &point.m_index1, &point.m_contactPointFlags,
-			  &point.m_lifeTime } )
+	for ( auto* const number :
+		{ &point.m_partId0, &point.m_partId1, &point.m_index0, &point.m_index1, &point.m_contactPointFlags, &point.m_lifeTime } )
 	{
 		integer( *number );
 	}

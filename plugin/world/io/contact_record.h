@@ -18,15 +18,15 @@ struct ContactRecord
 	struct Point
 	{
 		static constexpr int kScalars = 35, kIntegers = 6;
-		btScalar scalar[kScalars] = {};
-		int integer[kIntegers] = {};
+		btScalar scalar[kScalars];
+		int integer[kIntegers];
 		void archive( Archive& archive );
 	};
 	int rank = 0; ///< in the dispatcher's list: the solver's order
 	int count = 0;
 	btScalar breakingThreshold = 0, processingThreshold = 0;
-	Point point[MANIFOLD_CACHE_SIZE];
-	bool hasImpulses = false; ///< of a step with substeps
+	Point point[MANIFOLD_CACHE_SIZE]; ///< the first `count` are set
+	bool hasImpulses = false;         ///< of a step with substeps
 	StepImpulses::Contact impulses{ nullptr, { nullptr, nullptr }, 0.0 };
 
 	static ContactRecord of( const btPersistentManifold& manifold, int rank, StepImpulses& impulses );

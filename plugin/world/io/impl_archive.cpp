@@ -90,8 +90,8 @@ void SoftBody::Impl::archiveState( Archive& archive )
 	}
 	nearNodes = std::move( near );
 	const auto isNode = [count]( const Near& near ) { return near.node >= 0 && near.node < count; };
-	archive.require( std::isfinite( mass ) && mass > 0.0 && shapeShift.allFinite() && std::isfinite( meanSquareSpeed ) &&
-			std::isfinite( lastSubstep ) && std::isfinite( skin.tolerance ) &&
+	archive.require( std::isfinite( mass ) && mass > 0.0 && shapeShift.cwiseAbs().maxCoeff() <= kFarthestStored &&
+			std::isfinite( meanSquareSpeed ) && std::isfinite( lastSubstep ) && std::isfinite( skin.tolerance ) &&
 			( heldBefore.empty() || heldBefore.size() == std::size_t( count ) ) &&
 			( nodeAxes.empty() || nodeAxes.size() == 4 * std::size_t( count ) ) &&
 			std::all_of( nearNodes.begin(), nearNodes.end(), isNode ) && std::is_sorted( separatedPairs.begin(), separatedPairs.end() ),
@@ -99,7 +99,6 @@ void SoftBody::Impl::archiveState( Archive& archive )
 	if ( archive.isSound() )
 	{
 		shape->place( body->nodes(), shapeShift );
-		shape->freshen();
 		shape->setSweep( sweepLow, sweepHigh );
 		skin.nodesMoved();
 	}

@@ -1,10 +1,33 @@
 #include "world/io/object_state.h"
 
+#include "world/constants.h"
 #include "world/step/pass_objects.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include <algorithm>
+#include <initializer_list>
+
 namespace pliant {
+
+namespace {
+
+bool areWithin( btScalar limit, std::initializer_list<btVector3> vectors )
+{
+	return std::all_of( vectors.begin(), vectors.end(), [limit]( const btVector3& v ) {
+		const btVector3 size = v.absolute();
+		return size[size.maxAxis()] <= limit;
+	} );
+}
+
+/// Whether a transform leads to a place where soft bodies can be, and hardly scales.
+bool isPlace( const btTransform& transform )
+{
+	const btMatrix3x3& basis = transform.getBasis();
+	return areWithin( kFarthestPosition, { transform.getOrigin() } ) && areWithin( kLargestStoredAxis, { basis[0], basis[1], basis[2] } );
+}
+
+} // namespace
 
 void archive( Archive& archive, btVector3& vector )
 {
@@ -65,6 +88,11 @@ void ObjectState::archive( Archive& archive )
 		deactivationTime );
 	archive.require( activation >= ACTIVE_TAG && activation <= DISABLE_SIMULATION + 1 && std::isfinite( deactivationTime ),
 		"The activation state of an object is out of range." );
+	archive.require( archive.isTrusted() ||
+			( isPlace( transform ) && isPlace( interpolation ) &&
+				areWithin( kFastestStoredObject, { linear, angular, interpolationLinear, interpolationAngular } ) &&
+				areWithin( kStrongestStored, { force, torque } ) ),
+		"An object is too far out or too fast." );
 }
 
 ObjectSettings ObjectSettings::of( const btCollisionObject& object )

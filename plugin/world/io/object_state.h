@@ -34,8 +34,8 @@ struct ObjectSettings
 {
 	int flags = 0, frictionMode = 0, userIndex[3] = {};
 	btVector3 anisotropicFriction = btVector3( 1, 1, 1 );
-	btScalar friction = 0, restitution = 0, rolling = 0, spinning = 0, stiffness = 0, damping = 0, threshold = 0, hitFraction = 1, ccdRadius = 0,
-			 ccdThreshold = 0;
+	btScalar friction = 0, restitution = 0, rolling = 0, spinning = 0, stiffness = 0, damping = 0, threshold = 0, hitFraction = 1,
+			 ccdRadius = 0, ccdThreshold = 0;
 
 	static ObjectSettings of( const btCollisionObject& object );
 	void applyTo( btCollisionObject& object ) const;

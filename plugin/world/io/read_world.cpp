@@ -11,6 +11,7 @@ namespace pliant {
 void WorldSnapshot::read( Archive& archive, const LoadSettings& settings )
 {
 	m_movesRigid = settings.withRigidBodies;
+	m_freshens = settings.withQueries;
 	readTemplates( archive, settings );
 	archive( m_entries, m_familySizes, m_cuts );
 	if ( archive.isSound() )
@@ -162,8 +163,8 @@ void WorldSnapshot::checkPair( Archive& archive, const PairRecord& pair ) const
 	archive.require( isSoft( soft ) && pair.contacts.size() == pair.soft.keys.size(), "A contact has no body." );
 	for ( const std::uint64_t key : pair.soft.keys )
 	{
-		archive.require( isBodyNode( soft, int( key >> 32 ) ) &&
-				( ( !isSelf && !isSoft( other ) ) || isBodyNode( other, int( key & 0xffffffffu ) ) ),
+		archive.require(
+			isBodyNode( soft, int( key >> 32 ) ) && ( ( !isSelf && !isSoft( other ) ) || isBodyNode( other, int( key & 0xffffffffu ) ) ),
 			"A contact is of a node that does not exist." );
 	}
 	archive.require( std::adjacent_find( pair.soft.keys.begin(), pair.soft.keys.end(), std::greater_equal<>() ) == pair.soft.keys.end(),
@@ -172,7 +173,8 @@ void WorldSnapshot::checkPair( Archive& archive, const PairRecord& pair ) const
 
 void WorldSnapshot::checkReferences( Archive& archive )
 {
-	archive.require( m_touched.size() == m_records.size() && std::all_of( m_familySizes.begin(), m_familySizes.end(), []( int n ) { return n > 0; } ),
+	archive.require(
+		m_touched.size() == m_records.size() && std::all_of( m_familySizes.begin(), m_familySizes.end(), []( int n ) { return n > 0; } ),
 		"The families of bodies are not valid." );
 	for ( const BodyRecord& record : m_records )
 	{
@@ -188,8 +190,9 @@ void WorldSnapshot::checkReferences( Archive& archive )
 		for ( const BodyRecord::StoredPin& pin : record.pins )
 		{
 			const bool follows = pin.kind == PinKind::FollowsBody;
-			archive.require( !follows || ( isObject( pin.object ) && !isSoft( pin.object ) &&
-									  btRigidBody::upcast( m_entries[std::size_t( pin.object )].object ) ),
+			archive.require( !follows ||
+					( isObject( pin.object ) && !isSoft( pin.object ) &&
+						btRigidBody::upcast( m_entries[std::size_t( pin.object )].object ) ),
 				"A pin follows an object that is no rigid body." );
 		}
 	}
@@ -206,7 +209,8 @@ void WorldSnapshot::checkReferences( Archive& archive )
 	{
 		const Attachment& attachment = record.attachment;
 		const bool isRigid = record.second < 0;
-		archive.require( attachment.id > before && attachment.id < m_values.nextAttachment && isPoint( record.first, attachment.first.nodes ) &&
+		archive.require( attachment.id > before && attachment.id < m_values.nextAttachment &&
+				isPoint( record.first, attachment.first.nodes ) &&
 				( isRigid ? isObject( record.rigid ) && !isSoft( record.rigid ) : isPoint( record.second, attachment.second.nodes ) ),
 			"An attachment holds something that is not there." );
 		before = attachment.id;

@@ -120,7 +120,7 @@ void WorldSnapshot::placeBodies( RestoredWorld& report )
 		BodyRecord& record = m_records[k];
 		if ( SoftBody* const live = m_live[k] )
 		{
-			record.applyTo( *live );
+			record.applyTo( *live, m_freshens );
 			btBroadphaseProxy& proxy = *live->getBroadphaseHandle();
 			proxy.m_collisionFilterGroup = record.group;
 			proxy.m_collisionFilterMask = record.mask;
@@ -128,7 +128,7 @@ void WorldSnapshot::placeBodies( RestoredWorld& report )
 		else
 		{
 			SoftBody* const made = SoftBody::Impl::blank().release();
-			record.applyTo( *made );
+			record.applyTo( *made, m_freshens );
 			m_step.addSoftBody( made, record.group, record.mask );
 			made->impl().isWorldOwned = true;
 			m_bodies.owned.push_back( made );
@@ -232,7 +232,8 @@ void WorldSnapshot::restorePairs()
 // then filled with what they held.
 void WorldSnapshot::restorePair( const PairRecord& record )
 {
-	btCollisionObject *const first = m_entries[std::size_t( record.first )].object, *const second = m_entries[std::size_t( record.second )].object;
+	btCollisionObject *const first = m_entries[std::size_t( record.first )].object,
+							 *const second = m_entries[std::size_t( record.second )].object;
 	btOverlappingPairCache& cache = *m_step.m_parts.world.getPairCache();
 	btBroadphasePair* const pair = cache.addOverlappingPair( first->getBroadphaseHandle(), second->getBroadphaseHandle() );
 	if ( !pair || !record.hasAlgorithm )

@@ -35,9 +35,10 @@ void archive( Archive& archive, SharedNodes& nodes )
 
 void WorldSnapshot::AttachmentRecord::archive( Archive& archive )
 {
-	auto& [id, settings, firstPoint, secondPoint, rigidObject, rigidIndex, rigidPoint, lastForce, stepImpulse, stepTime, force] = attachment;
-	archive( id, settings.compliance, settings.breakingForce, firstPoint.nodes, firstPoint.at, secondPoint.nodes, secondPoint.at, rigidPoint,
-		lastForce, stepImpulse, stepTime, force, first, second, rigid );
+	auto& [id, settings, firstPoint, secondPoint, rigidObject, rigidIndex, rigidPoint, lastForce, stepImpulse, stepTime,
+		force] = attachment;
+	archive( id, settings.compliance, settings.breakingForce, firstPoint.nodes, firstPoint.at, secondPoint.nodes, secondPoint.at,
+		rigidPoint, lastForce, stepImpulse, stepTime, force, first, second, rigid );
 }
 
 void WorldSnapshot::OutsideRecord::archive( Archive& archive )
@@ -182,6 +183,7 @@ void WorldSnapshot::collectAttachments()
 std::vector<ContactRecord> WorldSnapshot::contactsOf( const PairContacts& contacts )
 {
 	std::vector<ContactRecord> records;
+	records.reserve( contacts.contacts().size() );
 	for ( const NodeContact& contact : contacts.contacts() )
 	{
 		records.push_back( ContactRecord::of( *contact.manifold, contact.manifold->m_index1a, m_step.m_impulses ) );

@@ -108,7 +108,7 @@ private:
 	std::vector<std::shared_ptr<const BodyTemplate>> m_templates;
 	std::vector<Entry> m_entries; ///< in the order of the world's list
 	std::vector<BodyRecord> m_records;
-	std::vector<SoftBody*> m_live; ///< by record: the body of the world that is to be it; null: a new one
+	std::vector<SoftBody*> m_live;           ///< by record: the body of the world that is to be it; null: a new one
 	std::vector<std::vector<int>> m_touched; ///< by record: its touched nodes, in their order
 	std::vector<int> m_familySizes;
 	std::vector<std::vector<CutTrace>> m_cuts;
@@ -118,7 +118,7 @@ private:
 	BroadphaseRecord m_broadphase;
 	std::vector<PairRecord> m_pairs;
 	ManifoldOrder m_order;
-	bool m_movesRigid = true;
+	bool m_movesRigid = true, m_freshens = true;
 };
 
 } // namespace pliant

@@ -324,8 +324,8 @@ std::size_t NodeShape::bytes() const
 		m_childOfNode.size() * ( sizeof( int ) + sizeof( btSphereShape* ) ) + m_colliders.bytes() + m_rows.bytes();
 }
 
-// Those of an unbroken body without levels follow from its lattice. On levels the number that a child has depends on the changes so far, and
-// where cells were lost a radius may differ in its last bits.
+// Those of an unbroken body without levels follow from its lattice. On levels the number that a child has depends on the changes so far,
+// and where cells were lost a radius may differ in its last bits.
 void NodeShape::archive( Archive& archive, const Body& body )
 {
 	if ( !body.levels() && body.firstCells().empty() )
@@ -341,7 +341,8 @@ void NodeShape::archive( Archive& archive, const Body& body )
 	std::vector<int> sorted = nodes;
 	std::sort( sorted.begin(), sorted.end() );
 	archive.require( !nodes.empty() && sorted.front() >= 0 && sorted.back() < count &&
-			std::adjacent_find( sorted.begin(), sorted.end() ) == sorted.end() && m_smallestRadius > 0 && m_largestRadius >= m_smallestRadius,
+			std::adjacent_find( sorted.begin(), sorted.end() ) == sorted.end() && m_smallestRadius > 0 &&
+			m_largestRadius >= m_smallestRadius,
 		"The spheres are those of another body." );
 	for ( const float radius : m_colliders.radius )
 	{

@@ -1,7 +1,7 @@
 #include "world/shape/penetration_allowance.h"
 
-#include "archive/archive.h"
 #include "adapt/octree/octree.h"
+#include "archive/archive.h"
 
 #include <algorithm>
 #include <limits>
