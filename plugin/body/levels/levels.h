@@ -15,6 +15,7 @@
 
 namespace pliant {
 
+class Archive;
 class LatticeMatcher;
 struct RegionWork;
 
@@ -131,6 +132,8 @@ public:
 	void change( NodeState& nodes, LatticeMatcher& matcher, const Material& material, const std::vector<std::uint32_t>& split,
 		const std::vector<std::uint32_t>& merge, TaskRunner* tasks = nullptr, bool measuresEnergy = false );
 
+	/// The cut of nodes that were read; refused unless it is one.
+	static Cut readCut( Archive& archive, const Octree& octree, std::vector<std::uint32_t> nodes );
 	/// Writes or reads everything but the cut and what follows from it, for levels made with this cut.
 	void archive( Archive& archive );
 	/// Writes or reads the numbers of the tables; the base belongs to this body alone then.

@@ -1,7 +1,23 @@
 #include "archive/archive.h"
 #include "body/levels/levels.h"
 
+#include <algorithm>
+
 namespace pliant {
+
+Cut Levels::readCut( Archive& archive, const Octree& octree, std::vector<std::uint32_t> nodes )
+{
+	Cut cut;
+	cut.node = std::move( nodes );
+	const auto exists = [count = std::uint32_t( octree.nodeCount() )]( std::uint32_t node ) { return node < count; };
+	if ( archive.require( std::all_of( cut.node.begin(), cut.node.end(), exists ), "A node of a level does not exist." ) )
+	{
+		cut.slotOfCell.assign( octree.cells.size(), 0 );
+		numberCells( octree, cut );
+		archive.require( validate( cut, octree ).ok(), "The nodes of the levels do not cover the body." );
+	}
+	return cut;
+}
 
 // What the last review found is applied in the same substep, and rows are skipped only within one: both are empty between substeps. Loads
 // are measured before each review.

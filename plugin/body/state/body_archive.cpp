@@ -132,15 +132,8 @@ void Body::archiveLevels( Archive& archive, const Shared& shared, bool isWhole )
 	}
 	if ( archive.isReading() && hasLevels && archive.isSound() )
 	{
-		Cut now;
-		now.node = std::move( cut );
-		if ( !archive.require( areBelow( now.node, std::uint32_t( base->octree.nodeCount() ) ), "A node of a level does not exist." ) )
-		{
-			return;
-		}
-		now.slotOfCell.assign( std::size_t( m_lattice->cellCount() ), 0 );
-		numberCells( base->octree, now );
-		if ( !archive.require( validate( now, base->octree ).ok(), "The nodes of the levels do not cover the body." ) )
+		Cut now = Levels::readCut( archive, base->octree, std::move( cut ) );
+		if ( !archive.isSound() )
 		{
 			return;
 		}

@@ -68,7 +68,7 @@ ContactRecord ContactRecord::of( const btPersistentManifold& manifold, int rank,
 
 void ContactRecord::applyTo( btPersistentManifold& manifold, StepImpulses& to ) const
 {
-	manifold.clearManifold();
+	manifold.setNumContacts( 0 ); // it has just been made
 	manifold.setContactBreakingThreshold( breakingThreshold );
 	manifold.setContactProcessingThreshold( processingThreshold );
 	for ( int k = 0; k < count; ++k )

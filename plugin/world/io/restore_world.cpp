@@ -12,39 +12,31 @@ namespace pliant {
 
 namespace {
 
-/// Bullet's contact callbacks are not called while it lives: nothing touches or parts, the contacts are those of another time.
-class SilentContacts
+/// Has an algorithm make its manifolds, and takes no points: no callback of the game is called.
+class NoPoints : public btManifoldResult
 {
 public:
-	SilentContacts()
-	{
-		gContactAddedCallback = nullptr;
-		gContactProcessedCallback = nullptr;
-		gContactStartedCallback = nullptr;
-		gContactEndedCallback = nullptr;
-	}
-	~SilentContacts()
-	{
-		gContactAddedCallback = m_added;
-		gContactProcessedCallback = m_processed;
-		gContactStartedCallback = m_started;
-		gContactEndedCallback = m_ended;
-	}
-	SilentContacts( const SilentContacts& ) = delete;
-	SilentContacts& operator=( const SilentContacts& ) = delete;
-
-private:
-	ContactAddedCallback m_added = gContactAddedCallback;
-	ContactProcessedCallback m_processed = gContactProcessedCallback;
-	ContactStartedCallback m_started = gContactStartedCallback;
-	ContactEndedCallback m_ended = gContactEndedCallback;
+	using btManifoldResult::btManifoldResult;
+	void addContactPoint( const btVector3&, const btVector3&, btScalar ) override {}
 };
+
+/// Removes the points of manifolds that go. Nothing has parted, so that the game is not told; it gets back what it has put into them.
+void emptyManifolds( const btManifoldArray& manifolds )
+{
+	for ( int m = 0; m < manifolds.size(); ++m )
+	{
+		for ( int k = 0; k < manifolds[m]->getNumContacts(); ++k )
+		{
+			manifolds[m]->clearUserCache( manifolds[m]->getContactPoint( k ) );
+		}
+		manifolds[m]->setNumContacts( 0 );
+	}
+}
 
 } // namespace
 
 void WorldSnapshot::commit( RestoredWorld& report )
 {
-	const SilentContacts silence;
 	for ( Entry& entry : m_entries )
 	{
 		if ( entry.object && !m_movesRigid )
@@ -81,12 +73,21 @@ void WorldSnapshot::endContacts()
 	while ( cache.getNumOverlappingPairs() > 0 )
 	{
 		const btBroadphasePair& last = cache.getOverlappingPairArrayPtr()[cache.getNumOverlappingPairs() - 1];
+		btManifoldArray manifolds;
+		last.m_algorithm ? last.m_algorithm->getAllContactManifolds( manifolds ) : void();
+		emptyManifolds( manifolds );
 		btBroadphaseProxy *const first = last.m_pProxy0, *const second = last.m_pProxy1;
 		cache.removeOverlappingPair( first, second, m_step.m_parts.dispatcher );
 	}
 	for ( SoftBody* const body : m_bodies.bodies() )
 	{
-		body->impl().self ? body->impl().self->contacts.reset() : void();
+		if ( SelfCollision* const self = body->impl().self.get(); self && self->contacts )
+		{
+			btManifoldArray manifolds;
+			self->contacts->collectManifolds( manifolds );
+			emptyManifolds( manifolds );
+			self->contacts.reset();
+		}
 	}
 	m_step.m_impulses.clear();
 }
@@ -257,7 +258,7 @@ void WorldSnapshot::restorePair( const PairRecord& record )
 	}
 	else if ( !record.isSoft )
 	{
-		btManifoldResult result( &wrapped[0], &wrapped[1] );
+		NoPoints result( &wrapped[0], &wrapped[1] );
 		pair->m_algorithm->processCollision( &wrapped[0], &wrapped[1], m_step.m_parts.world.getDispatchInfo(), &result );
 		pair->m_algorithm->getAllContactManifolds( manifolds );
 	}

@@ -106,7 +106,7 @@ PLIANT_API Status saveWorld( const SoftBodyHost& world, std::vector<std::byte>& 
 
 /// Restores a world, between steps. It must have the objects that are no soft bodies that it had when it was saved, in the same order or
 /// with ids, and the same settings. Bodies that are still there keep their address, whatever has broken since; see RestoredWorld for
-/// others. Bullet's contact callbacks are not called, and no other world may step meanwhile, since all worlds share these. Errors:
+/// others. The game's contact callbacks are not called, but for gContactDestroyedCallback with what it has put into contact points. Errors:
 /// BadSnapshot, OutOfMemory: nothing has changed.
 PLIANT_API Result<RestoredWorld> restoreWorld( SoftBodyHost& world, BytesView bytes, const LoadSettings& settings = {} );
 
