@@ -53,6 +53,7 @@ void WorldSnapshot::commit( RestoredWorld& report )
 		entry.object ? entry.state.applyTo( *entry.object ) : void();
 	}
 	placeBodies( report );
+	endContacts(); // new bodies have found some; pairs are hashed by their ids, which may be others now
 	orderObjects();
 	m_broadphase.applyTo( *m_step.m_parts.world.getBroadphase(), m_step.m_parts.objects, m_step.m_parts.dispatcher );
 	endContacts(); // another broadphase than btDbvtBroadphase has found pairs by itself
@@ -70,9 +71,9 @@ void WorldSnapshot::endContacts()
 	m_step.m_stages.releasePredictiveContacts();
 	m_bodies.dropPredictiveContacts();
 	btOverlappingPairCache& cache = *m_step.m_parts.world.getPairCache();
-	while ( cache.getNumOverlappingPairs() > 0 )
+	for ( int k = cache.getNumOverlappingPairs(); k-- > 0; )
 	{
-		const btBroadphasePair& last = cache.getOverlappingPairArrayPtr()[cache.getNumOverlappingPairs() - 1];
+		const btBroadphasePair& last = cache.getOverlappingPairArrayPtr()[k];
 		btManifoldArray manifolds;
 		last.m_algorithm ? last.m_algorithm->getAllContactManifolds( manifolds ) : void();
 		emptyManifolds( manifolds );
