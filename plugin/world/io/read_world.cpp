@@ -154,6 +154,7 @@ bool WorldSnapshot::isBodyNode( int object, int node ) const
 void WorldSnapshot::checkPair( Archive& archive, const PairRecord& pair ) const
 {
 	archive.require( isObject( pair.first ) && isObject( pair.second ), "A pair has an object that is not there." );
+	archive.require( pair.first != pair.second || pair.isSoft, "An object that is no soft body touches itself." );
 	if ( !archive.isSound() || !pair.isSoft )
 	{
 		return;
