@@ -51,6 +51,8 @@ void describe( CLI::App& app, Arguments& to )
 	app.add_option( "--draws", to.run.draws,
 		   "Run it so often, each time with the next seed, and print means of what it finds out; no pictures, no files" )
 		->check( CLI::Range( 1, 1000 ) );
+	app.add_option( "--snapshots", to.run.snapshots, "Save and restore it at so many random steps, and compare what follows" )
+		->check( CLI::Range( 1, 1000 ) );
 	app.add_option( "--threads", to.run.stage.threads, "Threads of the soft bodies" )->check( CLI::Range( 1, 64 ) )->capture_default_str();
 	app.add_option( "--substeps", to.run.stage.softSubsteps, "Soft substeps a step; 0: the world's default" )->check( CLI::Range( 0, 64 ) );
 	app.footer(
@@ -86,6 +88,10 @@ int run( int count, char** words )
 	}
 	arguments.run.render = !arguments.noRender;
 	gDisableDeactivation = arguments.awake; // Bullet's own, of all its worlds
+	if ( arguments.run.snapshots > 0 )
+	{
+		return runSnapshots( *entry, arguments.run );
+	}
 	if ( arguments.run.draws > 1 && !arguments.window )
 	{
 		return runDraws( *entry, arguments.run );

@@ -21,12 +21,15 @@ struct RunSettings
 	std::string exportFormat; ///< "", "glb", "gltf", "obj", "ply" or "stl"
 	int draws = 1;            ///< runs of it, each with the next seed
 	int exportEvery = 10;     ///< frames from one model file to the next
+	int snapshots = 0;        ///< random steps at which it is saved and restored
 };
 
 /// All return the process's exit code.
 int runHeadless( const SceneEntry& entry, const RunSettings& settings );
 /// `draws` times, without pictures or files: prints the means of what the scene finds out.
 int runDraws( const SceneEntry& entry, const RunSettings& settings );
+/// Saves and restores it at random steps, and prints whether it steps on to the same bits.
+int runSnapshots( const SceneEntry& entry, const RunSettings& settings );
 int runInWindow( const SceneEntry& entry, const RunSettings& settings );
 
 } // namespace pliant_demos

@@ -19,6 +19,7 @@
 
 namespace pliant {
 
+class Archive;
 class Matcher;
 class LatticeMatcher;
 class Levels;
@@ -246,9 +247,26 @@ public:
 	/// Fraction of inverted cells, by their eight-corner frames, among those that can be tested.
 	float invertedFraction() const;
 
+	// --- saving (body/state/): one description writes and reads --------------------------------------------------------
+	/// The data of a template that its bodies share.
+	struct Shared
+	{
+		std::shared_ptr<const Lattice> lattice;
+		std::shared_ptr<TemplateCache> cache;
+	};
+	/// Writes or reads what the body is made of: settings, levels, and of one that has broken the lattice and its tables. Two bodies with
+	/// equal bytes here can read each other's state.
+	void archiveMake( Archive& archive, const Shared& shared );
+	/// Writes or reads all that changes from step to step.
+	void archiveState( Archive& archive );
+	/// A body with nothing in it, for archiveMake and then archiveState to read into.
+	static std::unique_ptr<Body> blank() { return std::unique_ptr<Body>( new Body ); }
+
 private:
 	Body();
 	Body( Body&& ) noexcept;
+	void archiveLevels( Archive& archive, const Shared& shared, bool isWhole );
+	void archiveMatcher( Archive& archive, bool isWhole );
 	void addEnergyDebt( const LevelEnergy& added );
 	void reduceEnergyDebt( float h, float alpha );
 	void rebase();

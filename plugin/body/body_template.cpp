@@ -2,6 +2,7 @@
 
 #include "pliant/body_template.h"
 
+#include "archive/settings_archive.h"
 #include "body/constants.h"
 #include "lattice/build/build_lattice.h"
 #include "lattice/features.h"
@@ -11,6 +12,7 @@
 #include "surface/crack_state/crack_surface.h"
 #include "surface/skin/skinning.h"
 
+#include <algorithm>
 #include <chrono>
 #include <mutex>
 #include <new>
@@ -38,6 +40,12 @@ struct BodyTemplate::Data
 	std::shared_ptr<const CellComplex> crackComplex;
 	std::shared_ptr<const CrackSurface> crackSurface;
 	std::shared_ptr<const CrackPatches> crackPatches;
+
+	std::once_flag isHashed;
+	std::uint64_t fingerprint = 0;
+
+	void archive( Archive& archive, bool withReport );
+	bool isValid() const;
 };
 
 namespace {
@@ -186,6 +194,60 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::scaled( float factor )
 	{
 		return Answer{ outOfMemory(), nullptr };
 	}
+}
+
+// Caches, and what cracks show, follow from the rest.
+void BodyTemplate::Data::archive( Archive& archive, bool withReport )
+{
+	if ( archive.isReading() )
+	{
+		lattice = std::make_shared<Lattice>();
+	}
+	archive.write( *lattice ); // the only owner while it is read
+	if ( withReport )
+	{
+		archive( report );
+	}
+	archive( vertexCount, triangleCount, indices, textureCoordinates, submeshOfTriangle, positions, settings );
+	if ( archive.require( vertexCount >= 0 && triangleCount >= 0, "A template's counts are below zero." ) )
+	{
+		skin.archive( archive, std::size_t( vertexCount ), std::size_t( lattice->cellCount() ) );
+	}
+	archive.require( archive.isSound() && isValid(), "A template's mesh is not valid." );
+}
+
+bool BodyTemplate::Data::isValid() const
+{
+	const auto vertices = std::size_t( vertexCount ), triangles = std::size_t( triangleCount );
+	const auto isFinite = []( float x ) { return std::isfinite( x ); };
+	return indices.size() == 3 * triangles && positions.size() == 3 * vertices &&
+		( textureCoordinates.empty() || textureCoordinates.size() == 2 * vertices ) &&
+		( submeshOfTriangle.empty() || submeshOfTriangle.size() == triangles ) &&
+		std::all_of( indices.begin(), indices.end(), [vertices]( std::uint32_t v ) { return v < vertices; } ) &&
+		std::all_of( positions.begin(), positions.end(), isFinite ) && check( settings.cracks ).ok() && checkSettings( settings ).ok();
+}
+
+void BodyTemplate::archive( Archive& archive )
+{
+	m_data->archive( archive, true );
+}
+
+std::shared_ptr<BodyTemplate> BodyTemplate::blank()
+{
+	return std::shared_ptr<BodyTemplate>( new BodyTemplate );
+}
+
+// Without the report, whose duration differs between builds of the same mesh.
+std::uint64_t BodyTemplate::fingerprint() const
+{
+	Data& data = *m_data;
+	std::call_once( data.isHashed, [&data] {
+		std::vector<std::byte> bytes;
+		Archive archive( bytes );
+		data.archive( archive, false );
+		data.fingerprint = hashOf( bytes.data(), bytes.size() );
+	} );
+	return data.fingerprint;
 }
 
 int BodyTemplate::cellCount() const

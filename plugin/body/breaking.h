@@ -43,6 +43,10 @@ struct Breaking
 	void prepare( const Lattice& lattice, const Material& material, std::vector<float> toughness );
 	/// Strain for limitLinks that finds candidates of the rule, which breaks at `strain`.
 	float candidateStrain( float strain ) const;
+	/// Writes or reads settings and limits. `isWhole`: the lattice is the template's, whose limits follow from the settings.
+	void archiveMake( Archive& archive, const Lattice& lattice, const Material& material, bool isWhole );
+	/// Writes or reads what changes from step to step.
+	void archiveState( Archive& archive, const Lattice& lattice );
 };
 
 /// A part of a body that has come apart. Its nodes are a subset of the body's, in the same order.

@@ -34,6 +34,9 @@ public:
 
 	std::size_t count() const { return m_planes.size(); }
 
+	/// Writes or reads the cracks.
+	void archive( Archive& archive );
+
 private:
 	struct Plane
 	{
@@ -42,6 +45,7 @@ private:
 		float age;           ///< s since it last grew
 
 		double distanceOf( const Vec3d& at ) const; ///< from the box
+		void archive( Archive& archive );
 	};
 	/// The largest stretch around a cell.
 	struct Pull

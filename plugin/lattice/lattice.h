@@ -12,6 +12,8 @@
 
 namespace pliant {
 
+class Archive;
+
 using Vec3 = Eigen::Vector3f;
 using Vec3d = Eigen::Vector3d;
 
@@ -57,6 +59,9 @@ struct Lattice
 
 /// Returns a full box of nx x ny x nz cells of edge `cellSize` with all links. Counts are at least 1.
 Lattice makeBlockLattice( int nx, int ny, int nz, float cellSize );
+
+/// Writes or reads a lattice; one that is not valid is refused.
+void archive( Archive& archive, Lattice& lattice );
 
 /// Checks every invariant of a lattice: sizes agree, cells are ordered, links are symmetric, sorted and between 26-neighbours, fills lie in
 /// (0, 1], the mass centre is at zero. The message names the first violation.

@@ -18,6 +18,10 @@ struct CellLink
 	friend bool operator<( const CellLink& l, const CellLink& r ) { return l.a != r.a ? l.a < r.a : l.b < r.b; }
 };
 
+/// Writes or reads links of a lattice. Refused unless they are ascending, unique, and in the lattice or, with `areAbsent`, between
+/// neighbours that have no link.
+void archiveLinks( Archive& archive, std::vector<CellLink>& links, const Lattice& lattice, bool areAbsent = false );
+
 /// Returns the lattice without `links`, which are ascending, unique and present.
 Lattice withoutLinks( const Lattice& lattice, const std::vector<CellLink>& links );
 

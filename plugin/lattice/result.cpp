@@ -22,6 +22,7 @@ const char* toString( ResultCode code )
 		case ResultCode::BadMaterial: return "BadMaterial";
 		case ResultCode::BadArgument: return "BadArgument";
 		case ResultCode::TooFolded: return "TooFolded";
+		case ResultCode::BadSnapshot: return "BadSnapshot";
 	}
 	return "unknown";
 }

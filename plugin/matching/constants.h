@@ -111,4 +111,8 @@ inline constexpr int kScratchChanges = 10;
 /// Memory of a body with levels that is touched from the start, relative to what its nodes need.
 inline constexpr double kScratchFraction = 1.125;
 
+/// Nodes of a snapshot further out than this, m, or faster than this, m/s, are refused: squares of such numbers are still finite. A body is
+/// never placed further out, nor given a tenth of the speed.
+constexpr float kFarthestStored = 1.0e9f, kFastestStored = 1.0e6f;
+
 } // namespace pliant

@@ -11,6 +11,7 @@
 
 namespace pliant {
 
+class Archive;
 class TaskRunner;
 
 /// Plastic flow of rest shapes; see plasticity.h.
@@ -61,6 +62,9 @@ public:
 	virtual bool nodeFlow( int /*count*/, float* /*stretches*/ ) const { return false; }
 	/// True where `nodeFlow` would write.
 	virtual bool hasFlowed() const { return false; }
+
+	/// Writes or reads what a substep leaves to the next; a matcher without it is refused.
+	virtual void archive( Archive& archive );
 
 	/// Bytes held, including buffers, without data shared with other bodies.
 	virtual std::size_t bytes() const = 0;

@@ -12,6 +12,8 @@
 
 namespace pliant {
 
+class Archive;
+
 /// One array per component, each `padded` long; entries from `count` on are zero.
 struct Vec3Array
 {
@@ -49,6 +51,8 @@ struct NodeState
 	/// External force, N. Empty until the first force on a single node is set.
 	Vec3Array force;
 
+	/// Writes or reads everything but rest positions, for nodes whose count is set.
+	void archive( Archive& archive );
 	Eigen::Vector3d worldPosition( int i ) const { return origin + x.get( i ).cast<double>(); }
 };
 

@@ -261,4 +261,11 @@ inline constexpr double kAttachedCentre = 1e-3;
 /// A neighbour shares a point if at least this fraction of its offset is across those of the neighbours before it.
 inline constexpr double kLeastAttachedSpan = 0.5;
 
+/// Tags of islands are below the number of a world's objects plus that of the group's islands; a snapshot with higher ones is refused.
+constexpr int kMostTags = 1 << 24;
+
+/// Objects of a snapshot that are faster than this, m/s and rad/s, or pulled by more than this, N and N m, or whose axes are longer than
+/// this, are refused: what is computed from them stays finite.
+inline constexpr btScalar kFastestStoredObject = btScalar( 1e6 ), kStrongestStored = btScalar( 1e15 ), kLargestStoredAxis = btScalar( 1.1 );
+
 } // namespace pliant

@@ -17,6 +17,7 @@ struct Floor
 
 const Floor kFloors[] = {
 	{ "plugin/include/", 0 },
+	{ "plugin/archive/", 1 },
 	{ "plugin/threads/", 1 },
 	{ "plugin/lattice/", 2 },
 	{ "plugin/adapt/", 3 },
@@ -42,8 +43,12 @@ const std::vector<std::vector<const char*>> kSubfolders = {
 		"plugin/world/respond/", "plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/",
 		"plugin/world/bodies/", "plugin/world/step/", "plugin/world/api/" },
 	{ "plugin/world/", "plugin/world/shape/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/", "plugin/world/respond/",
-		"plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/", "plugin/world/game/", "plugin/world/bodies/",
-		"plugin/world/step/", "plugin/world/api/" },
+		"plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/", "plugin/world/game/",
+		"plugin/world/bodies/", "plugin/world/step/", "plugin/world/api/" },
+	{ "plugin/body/levels/", "plugin/body/", "plugin/body/state/" },
+	{ "plugin/world/", "plugin/world/shape/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/", "plugin/world/respond/",
+		"plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/", "plugin/world/bodies/",
+		"plugin/world/step/", "plugin/world/api/", "plugin/world/io/" },
 };
 
 constexpr std::size_t kMostFilesOfAFolder = 20;

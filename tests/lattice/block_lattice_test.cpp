@@ -82,7 +82,7 @@ TEST( ResultCodes, EveryCodeHasItsName )
 	EXPECT_STREQ( toString( ResultCode::TooManyCells ), "TooManyCells" );
 	EXPECT_STREQ( toString( ResultCode::TooFolded ), "TooFolded" );
 	EXPECT_STREQ( toString( ResultCode( 12345 ) ), "unknown" );
-	for ( int code = 0; code <= int( ResultCode::TooFolded ); ++code )
+	for ( int code = 0; code <= int( ResultCode::BadSnapshot ); ++code )
 	{
 		EXPECT_STRNE( toString( ResultCode( code ) ), "unknown" ) << code;
 	}

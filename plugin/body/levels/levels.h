@@ -15,6 +15,7 @@
 
 namespace pliant {
 
+class Archive;
 class LatticeMatcher;
 struct RegionWork;
 
@@ -133,6 +134,13 @@ public:
 
 	/// Checks octree and cut; the message names the first violation.
 	Status validate() const;
+	/// The cut of nodes that were read; refused unless it is one.
+	static Cut readCut( Archive& archive, const Octree& octree, std::vector<std::uint32_t> nodes );
+	/// Writes or reads everything but the cut and what follows from it, for levels made with this cut.
+	void archive( Archive& archive );
+	/// Writes or reads the numbers of the tables; the base belongs to this body alone then.
+	void archiveTables( Archive& archive );
+
 	std::size_t bytes() const;
 
 private:

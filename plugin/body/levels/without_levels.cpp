@@ -1,5 +1,6 @@
 // For builds without levels of detail: bodies that need them are rejected (adaptivity.cpp), so none of this is ever called.
 
+#include "archive/archive.h"
 #include "body/body.h"
 #include "body/levels/levels.h"
 
@@ -10,6 +11,15 @@ Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, c
 	m_base( std::move( base ) ),
 	m_lattice( &lattice ), m_settings( settings ), m_stiffness( &stiffness ), m_cut( std::move( cut ) )
 {}
+
+Cut Levels::readCut( Archive& archive, const Octree&, std::vector<std::uint32_t> )
+{
+	archive.refuse( "This build of the library has no levels of detail." );
+	return {};
+}
+
+void Levels::archive( Archive& ) {}
+void Levels::archiveTables( Archive& ) {}
 
 void Levels::fillNodes( NodeState&, float ) const {}
 void Levels::requestSplit( int ) {}

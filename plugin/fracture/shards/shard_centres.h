@@ -10,6 +10,8 @@
 
 namespace pliant {
 
+class Archive;
+
 /// Returns a cell's centre of mass in mesh coordinates, m.
 inline Vec3d restOf( const Lattice& lattice, std::size_t cell )
 {
@@ -27,6 +29,8 @@ public:
 	Vec3d map( const Vec3d& at ) const;
 	/// The gradient of map( at ) . vector.
 	Vec3d pulledBack( const Vec3d& at, const Vec3d& vector ) const;
+
+	void archive( Archive& archive );
 
 private:
 	Eigen::Matrix3d m_metric = Eigen::Matrix3d::Identity();
@@ -55,6 +59,10 @@ public:
 	/// The border of two shards between two positions that are nearest to their centres: returns the fraction of the way from a to b, and
 	/// the border's unit normal towards b.
 	double borderBetween( const Vec3d& a, std::uint32_t centreA, const Vec3d& b, std::uint32_t centreB, Vec3d& normal ) const;
+
+	/// Empty, to be read into.
+	ShardCentreSet() : m_size( 1.0 ) {}
+	void archive( Archive& archive );
 
 private:
 	explicit ShardCentreSet( const ShardSpace& space, double size ) : m_space( space ), m_size( size ) {}

@@ -60,7 +60,12 @@ public:
 	const ShardLaw& law() const { return m_law; }
 	std::size_t bytes() const;
 
+	/// For a body of this many cells.
+	void archive( Archive& archive, std::size_t cells );
+	static std::unique_ptr<ShardCracks> blank() { return std::unique_ptr<ShardCracks>( new ShardCracks ); }
+
 private:
+	ShardCracks() = default;
 	void divide( const Lattice& lattice, const Vec3d& impact, const std::vector<std::uint32_t>& shardOfCentre );
 	void findOne();
 

@@ -12,6 +12,7 @@
 
 namespace pliant {
 
+class Archive;
 class TaskRunner;
 struct Lattice;
 struct SkinBinding;
@@ -162,6 +163,11 @@ public:
 	/// The surface of an uncracked body; computed together with crackComplex, as are the patches.
 	std::shared_ptr<const CrackSurface> crackSurface() const;
 	std::shared_ptr<const CrackPatches> crackPatches() const;
+	/// Writes or reads everything (io/snapshot.h); reading needs a blank one.
+	void archive( Archive& archive );
+	static std::shared_ptr<BodyTemplate> blank();
+	/// A hash of everything but the report: equal templates have equal ones.
+	std::uint64_t fingerprint() const;
 	/// @endcond
 
 private:

@@ -56,9 +56,10 @@ public:
 		btDispatcher*& dispatcher;
 		btSimulationIslandManager*& islandManager;
 		btInternalTickCallback &preTick, &tick;
-		bool hasIslandManagerMt; ///< islandManager is a btSimulationIslandManagerMt
-		bool hasOwnSingleStep;   ///< the base replaces btDiscreteDynamicsWorld::internalSingleStepSimulation
-		bool hasOwnIslands;      ///< the base replaces btDiscreteDynamicsWorld::calculateSimulationIslands
+		btScalar &localTime, &fixedStep; ///< s, that stepSimulation carries over to the next call
+		bool hasIslandManagerMt;         ///< islandManager is a btSimulationIslandManagerMt
+		bool hasOwnSingleStep;           ///< the base replaces btDiscreteDynamicsWorld::internalSingleStepSimulation
+		bool hasOwnIslands;              ///< the base replaces btDiscreteDynamicsWorld::calculateSimulationIslands
 	};
 
 	// The stages as the game's class has them. h in s.
@@ -196,6 +197,9 @@ public:
 	[[nodiscard]] btDiscreteDynamicsWorld& bulletWorld() const;
 
 	/// @cond INTERNAL
+	/// For Pliant's own sources only.
+	WorldStep& step() const { return *m_step; }
+
 protected:
 	SoftBodyHost();
 	~SoftBodyHost();

@@ -35,7 +35,7 @@ public:
 		hostAttach( *this,
 			Parts{ *this, this->m_nonStaticRigidBodies, this->m_constraints, this->m_actions, this->m_predictiveManifolds,
 				this->m_collisionObjects, this->m_dispatcher1, this->m_islandManager, this->m_internalPreTickCallback,
-				this->m_internalTickCallback, std::is_base_of_v<btDiscreteDynamicsWorldMt, Base>,
+				this->m_internalTickCallback, this->m_localTime, this->m_fixedTimeStep, std::is_base_of_v<btDiscreteDynamicsWorldMt, Base>,
 				!std::is_same_v<decltype( &Probe::internalSingleStepSimulation ), void ( Discrete::* )( btScalar )>,
 				!std::is_same_v<decltype( &Probe::calculateSimulationIslands ), void ( Discrete::* )()> } );
 	}

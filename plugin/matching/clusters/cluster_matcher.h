@@ -23,6 +23,7 @@ public:
 	void turn( const Eigen::Quaterniond& by ) override;
 	void accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* runner ) override;
 	void nodeRotations( const NodeState& nodes, float* quaternions ) const override;
+	void archive( Archive& archive ) override;
 	std::size_t bytes() const override;
 
 	const ClusterSet& clusters() const { return m_clusters; }
@@ -47,6 +48,8 @@ private:
 		Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
 		Eigen::Matrix3d linear = Eigen::Matrix3d::Identity(); ///< goal = centre + size * linear * q (+ quadratic terms)
 		Vec3d centre = Vec3d::Zero();                         ///< m
+
+		void archive( Archive& archive );
 	};
 
 	/// Additional data of the quadratic mode. Absent in the other modes.
@@ -56,6 +59,8 @@ private:
 		Eigen::Matrix<double, 3, kTerms> moment = Eigen::Matrix<double, 3, kTerms>::Zero(); ///< first three rows of the 9 x 9 moment
 		TermMoment inverseMoment = TermMoment::Zero();
 		Eigen::Matrix<double, 3, kTerms - 3> map = Eigen::Matrix<double, 3, kTerms - 3>::Zero();
+
+		void archive( Archive& archive );
 	};
 
 	/// A range of members that one task sums. Boundaries depend on the counts only, so that sums do not depend on the threads.

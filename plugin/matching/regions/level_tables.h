@@ -21,6 +21,9 @@ struct LevelBase
 	Octree octree;
 	FineRegions fine;
 	FineMoments moments; ///< empty unless the settings ask for energies
+
+	/// As RegionTables::archiveNumbers.
+	void archiveNumbers( Archive& archive );
 };
 
 std::shared_ptr<const LevelBase> buildLevelBase( const Lattice& lattice, const Material& material, const Adaptivity& settings );

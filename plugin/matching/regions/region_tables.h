@@ -17,6 +17,8 @@
 
 namespace pliant {
 
+class Archive;
+
 /// How sums over regions are computed.
 enum class Summation : int
 {
@@ -49,6 +51,8 @@ struct RegionTables
 	std::shared_ptr<const SumPlan> plan; ///< sums over the octree instead of the matrix; null: none
 	AlignedArray<float> beta, eta;       ///< of each region; empty where all are 0
 
+	/// Writes or reads all numbers, which depend on how the tables came about in their last bits; the rest follows from the lattice.
+	void archiveNumbers( Archive& archive );
 	std::size_t bytes() const;
 };
 

@@ -27,6 +27,7 @@
 
 namespace pliant {
 
+class Archive;
 class TaskRunner;
 
 /// Number of levels that the body is long enough for, at most `wanted`.
@@ -45,6 +46,8 @@ public:
 	/// b and eta of region r, the region of block r, on level 1, 2 ...
 	double pull( int level, int r ) const { return m_levels[level - 1].weight[r]; }
 	double eta( int level, int r ) const { return m_levels[level - 1].eta[r]; }
+	/// Writes or reads what a substep leaves to the next.
+	void archive( Archive& archive );
 	std::size_t bytes() const;
 
 private:

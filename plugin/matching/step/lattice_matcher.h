@@ -38,6 +38,7 @@ public:
 	void turn( const Eigen::Quaterniond& by ) override;
 	void accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* runner ) override;
 	void nodeRotations( const NodeState& nodes, float* quaternions ) const override;
+	void archive( Archive& archive ) override;
 	std::size_t bytes() const override; ///< without the shared tables
 	std::size_t sharedBytes() const override { return m_tables->bytes(); }
 	const RegionTables& tables() const { return *m_tables; }

@@ -78,6 +78,8 @@ public:
 	void inherit( const PlasticFlow& from, const std::vector<std::uint32_t>& source );
 
 	Eigen::Matrix3d stretch( int region ) const;
+	/// Writes or reads the shapes of tables that are as they were.
+	void archive( Archive& archive );
 	std::size_t bytes() const;
 
 private:

@@ -259,7 +259,7 @@ int SoftBody::linkCount() const
 
 unsigned SoftBody::fractureVersion() const
 {
-	return m_impl->fractureVersion;
+	return m_impl->fractureVersion + m_impl->versionShift;
 }
 
 int SoftBody::nodeOfCell( int cell ) const

@@ -294,12 +294,12 @@ SurfaceView SoftBody::surface() const
 	view.indices = triangles.indices;
 	view.vertexCount = int( binding.restPosition.size() );
 	view.triangleCount = triangles.count;
-	view.topologyVersion = impl.fractureVersion;
+	view.topologyVersion = impl.fractureVersion + impl.versionShift;
 	view.textureCoordinates = impl.bodyTemplate->textureCoordinates();
 	view.changedSince = view.topologyVersion;
 	if ( cracks )
 	{
-		showCracks( *cracks, impl.crackVersionBefore, view );
+		showCracks( *cracks, impl.crackVersionBefore + impl.versionShift, view );
 	}
 	view.frame = skinBuffers.frame;
 	return view;

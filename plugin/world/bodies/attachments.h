@@ -69,6 +69,8 @@ public:
 	/// At the end of a game step: computes the mean forces over its substeps and removes attachments above their breaking force.
 	void endStep();
 	std::vector<AttachmentEvent> events;
+	/// The id of the next attachment.
+	int& nextId() { return m_nextId; }
 
 private:
 	/// Calls visit( attachment, point ) for each point of a body.

@@ -231,7 +231,7 @@ Adaptivity SoftBody::adaptivity() const
 unsigned SoftBody::levelVersion() const
 {
 	const Levels* levels = m_impl->body->levels();
-	return levels ? levels->version() : 0u;
+	return levels ? levels->version() + m_impl->versionShift : 0u;
 }
 
 void SoftBody::requestRefinement( const btVector3& low, const btVector3& high )

@@ -82,6 +82,21 @@ void SoftBody::Impl::becomeRigid( SoftBody& owner )
 	mustDeform = false;
 }
 
+void SoftBody::Impl::followRigidState( SoftBody& owner )
+{
+	twin.reset();
+	if ( !body->rigidState() )
+	{
+		owner.setCollisionShape( queried.get() );
+		return;
+	}
+	twin = std::make_unique<RigidTwin>( owner, std::make_unique<RigidShape>( *body, *shape ) );
+	twin->impulse = twinLoad.impulse;
+	twin->load = twinLoad.load;
+	twin->firstLoad = twinLoad.firstLoad;
+	owner.setCollisionShape( twin->getCollisionShape() );
+}
+
 void SoftBody::Impl::becomeDeformable( SoftBody& owner )
 {
 	owner.setCollisionShape( queried.get() );

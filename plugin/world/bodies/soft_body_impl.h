@@ -29,6 +29,7 @@
 
 namespace pliant {
 
+class Archive;
 class SoftBodySystem;
 
 enum class PinKind : int
@@ -149,8 +150,13 @@ struct SoftBody::Impl
 	std::unique_ptr<ContactRecords> contactRecords;     ///< null: no contact events are wanted
 
 	std::unique_ptr<RigidTwin> twin; ///< null while the body deforms
-	bool mustDeform = false;         ///< from the next step on; ignored without a twin
-	int rigidWait = kRigidStart;     ///< game steps until it is tested for its rigid state
+	struct TwinLoad
+	{
+		double impulse = 0.0, load = 0.0, firstLoad = 0.0; ///< RigidTwin's
+	};
+	TwinLoad twinLoad;           ///< of the state that was read
+	bool mustDeform = false;     ///< from the next step on; ignored without a twin
+	int rigidWait = kRigidStart; ///< game steps until it is tested for its rigid state
 
 	std::vector<Vec3d> heldBefore; ///< node positions of a static or kinematic body at the last game step, world, m
 
@@ -179,6 +185,7 @@ struct SoftBody::Impl
 	mutable int partingPhases = 0;          ///< above 0: it is being separated (parting.h), without tunneling guard
 	unsigned placements = 0;                ///< count of placements
 	unsigned numbering = 0;                 ///< count of renumberings of nodes
+	unsigned versionShift = 0;              ///< of the versions that the game sees: a restored body has none that it had before
 	/// A node (with Adaptivity::refinesOnContact) near another object in this substep, and what is requested for it.
 	struct Near
 	{
@@ -239,6 +246,8 @@ struct SoftBody::Impl
 	/// Between steps, and not while contacts are searched. In a world, contacts with the previous shape must be removed afterwards.
 	void becomeRigid( SoftBody& owner );
 	void becomeDeformable( SoftBody& owner );
+	/// After the core's state was read: gives the object the twin and the shape of its rigid state, or those of a deformable body.
+	void followRigidState( SoftBody& owner );
 	/// Returns the node transforms that the skin follows. Valid until the next call.
 	SkinPose skinPose() const;
 	/// Call before and after a change of levels: saves the surface if it is drawn, then starts to fade out its jump.
@@ -281,6 +290,15 @@ struct SoftBody::Impl
 	/// Turns the body into its remainder.
 	void adopt( SoftBody& owner, BodyPiece& piece, Remains remains );
 	static std::unique_ptr<SoftBody> makeFragment( const SoftBody& parent, BodyPiece& piece );
+
+	// Saving (world/io/impl_archive.cpp).
+	/// Writes or reads what the body is made of: the core and its spheres. Reading needs a new body of this template.
+	void archiveMake( Archive& archive );
+	/// Writes or reads all that changes from step to step, but what refers to other objects.
+	void archiveState( Archive& archive );
+	/// Makes this the implementation of a body, in place of the one that it has, if any, whose buffers for drawing it takes over.
+	static void install( SoftBody& owner, std::unique_ptr<Impl> impl );
+	static std::unique_ptr<SoftBody> blank() { return std::unique_ptr<SoftBody>( new SoftBody ); }
 	/// Completes a body whose core exists.
 	void finish( SoftBody& owner );
 };

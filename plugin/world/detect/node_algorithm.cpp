@@ -58,7 +58,9 @@ Tables& tables()
 
 NodeAlgorithm::NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, ContactProxyPool& pool, PairScratch& scratch ) :
 	btCollisionAlgorithm( info ), m_contacts( new PairContacts( *info.m_dispatcher1, pool, scratch ) )
-{}
+{
+	m_contacts->algorithm = this;
+}
 
 NodeAlgorithm::~NodeAlgorithm()
 {

@@ -69,6 +69,21 @@ public:
 	void collectManifolds( btManifoldArray& manifolds ) const;
 	/// Null where there is none.
 	const btPersistentManifold* anyManifold() const { return m_contacts.empty() ? nullptr : m_contacts.front().manifold; }
+	/// What a collision phase leaves to the next, beside the manifolds.
+	struct Carried
+	{
+		bool isNew = true, wasProcessed = false;
+		unsigned numbering = 0;
+		Parting parting;
+		std::vector<std::uint64_t> keys; ///< of the contacts
+	};
+	Carried carried() const;
+	/// Fills new contacts of a pair, with manifolds that are empty still. Keys must be of nodes of the two.
+	void carry( const Carried& from, const btCollisionObject& first, const btCollisionObject& second );
+	void carrySelf( const Carried& from, SoftBody& soft );
+	const std::vector<NodeContact>& contacts() const { return m_contacts; }
+	const btCollisionAlgorithm* algorithm = nullptr; ///< that owns it; null: a body's contacts with itself
+
 	/// Called after all pairs were processed: a pair that was not, though one of its objects is awake, has been refused by the game
 	/// (setIgnoreCollisionCheck, a near callback), and releases its contacts.
 	void releaseIfRefused();
@@ -85,6 +100,8 @@ private:
 
 	void process( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step );
 	void enlist();
+	static Pair pairOf( const btCollisionObject& first, const btCollisionObject& second );
+	void carryOver( const Carried& from, const Pair& pair );
 	bool followNodes( const SoftBody* soft0, const SoftBody* soft1 );
 	void startMatching();
 	void endMatching();

@@ -38,6 +38,11 @@ Status SoftBody::setScale( btScalar scale )
 		return status;
 	}
 	Impl& impl = *m_impl;
+	if ( impl.twin )
+	{
+		impl.becomeDeformable( *this );
+		impl.system ? impl.system->removeContacts( *this ) : void();
+	}
 	const std::shared_ptr<const BodyTemplate> whole = impl.unscaled ? impl.unscaled : impl.bodyTemplate;
 	const std::shared_ptr<const Lattice> before = impl.bodyTemplate->sharedLattice();
 	Result<std::shared_ptr<const BodyTemplate>> made = whole->scaled( float( scale ) );
@@ -68,7 +73,6 @@ Status SoftBody::setScale( btScalar scale )
 		}
 		return Status{ ResultCode::OutOfMemory, "Not enough memory to scale the body." };
 	}
-	setCollisionShape( impl.shape.get() );
 	for ( ContactProxy* proxy : impl.touched )
 	{
 		proxy->setCollisionShape( impl.shape->sphereOfNode( proxy->node ) );

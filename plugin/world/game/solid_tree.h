@@ -9,11 +9,11 @@
 
 namespace pliant {
 
-class TriangleTree
+class SolidTree
 {
 public:
 	/// Keeps references to both.
-	TriangleTree( const std::vector<Vec3d>& position, const std::vector<Triangle>& triangles );
+	SolidTree( const std::vector<Vec3d>& position, const std::vector<Triangle>& triangles );
 
 	struct Nearest
 	{

@@ -32,6 +32,19 @@ public:
 	void after();
 	void forget( const btCollisionObject& object );
 
+	/// What a substep leaves to the next.
+	struct Carried
+	{
+		std::vector<OutsideImpulse> outside;
+		bool hadBlocks = false;
+	};
+	Carried carried() const { return { m_outside, m_hadBlocks }; }
+	void carry( Carried from )
+	{
+		m_outside = std::move( from.outside );
+		m_hadBlocks = from.hadBlocks;
+	}
+
 	int contacts() const { return m_contacts.count(); }
 	const BlockCount& count() const { return m_count; } ///< maximum over all blocks
 

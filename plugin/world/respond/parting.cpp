@@ -1,5 +1,6 @@
 #include "world/respond/parting.h"
 
+#include "archive/archive.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/search/node_search.h"
@@ -161,6 +162,12 @@ void Parting::follow(
 			hit.touch.distance = radiusOf( hit ) - kPartingSpeed * step / kUsualPush;
 		}
 	}
+}
+
+void Parting::archive( Archive& archive )
+{
+	archive( m_isParting, m_placementCount, m_direction );
+	archive.requireFinite( m_direction, 3 );
 }
 
 } // namespace pliant

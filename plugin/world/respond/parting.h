@@ -13,6 +13,7 @@ class btCollisionObject;
 
 namespace pliant {
 
+class Archive;
 class SoftBody;
 struct NodeHit;
 
@@ -24,6 +25,8 @@ public:
 	/// apart.
 	void follow( const SoftBody& soft, const btCollisionObject& other, const SoftBody* otherSoft, bool isNew, double step,
 		std::vector<NodeHit>& hits );
+	/// Writes or reads the state.
+	void archive( Archive& archive );
 
 private:
 	bool m_isParting = false;

@@ -1,5 +1,6 @@
 #include "world/self/self_search.h"
 
+#include "archive/archive.h"
 #include "body/levels/levels.h"
 #include "lattice/inside/inside_distance.h"
 #include "world/bodies/soft_body_impl.h"
@@ -189,6 +190,24 @@ void SelfSearch::applySlack()
 	}
 	m_slack.swap( m_slackNext );
 	m_isFirst = false;
+}
+
+void SelfSearch::Slack::archive( Archive& archive )
+{
+	archive( key, depth );
+}
+
+void SelfSearch::archive( Archive& archive )
+{
+	archive( m_slack, m_isFirst );
+	archive.require( std::is_sorted( m_slack.begin(), m_slack.end(), []( const Slack& a, const Slack& b ) { return a.key < b.key; } ),
+		"The allowances of a body with itself are not in order." );
+	if ( archive.isReading() )
+	{
+		m_near = NearPairs();
+		m_depth.clear();
+		m_rotation.clear();
+	}
 }
 
 } // namespace pliant

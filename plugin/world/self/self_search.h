@@ -17,6 +17,7 @@
 
 namespace pliant {
 
+class Archive;
 class Body;
 class NodeShape;
 
@@ -36,6 +37,8 @@ public:
 	void relink( const std::vector<std::uint32_t>& nodeNow, const CellsNow& cells );
 	/// Follows a change of node numbers that keeps their order.
 	void renumber( const std::vector<std::uint32_t>& nodeNow );
+	/// Writes or reads what a search leaves to the next; lists that only save time are made again.
+	void archive( Archive& archive );
 
 private:
 	/// Allowed overlap of the two sides of a fresh cut: no deeper than at first, and never growing, until they have separated.
@@ -43,6 +46,7 @@ private:
 	{
 		std::uint64_t key;
 		double depth; ///< m
+		void archive( Archive& archive );
 	};
 
 	void testPair( int a, int b );

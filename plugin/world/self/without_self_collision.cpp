@@ -29,4 +29,6 @@ const std::vector<NodeHit>& SelfSearch::find( const SoftBody&, double )
 void SelfSearch::relink( const std::vector<std::uint32_t>&, const CellsNow& ) {}
 void SelfSearch::renumber( const std::vector<std::uint32_t>& ) {}
 
+void SelfSearch::archive( Archive& ) {}
+
 } // namespace pliant

@@ -1,5 +1,6 @@
 #include "world/shape/node_shape.h"
 
+#include "archive/archive.h"
 #include "body/levels/levels.h"
 #include "threads/parallel.h"
 #include "world/constants.h"
@@ -53,6 +54,11 @@ NodeShape::NodeShape( const Body& body ) : btCompoundShape( true, body.nodeCount
 		addUniform( body.lattice() );
 		m_smallestRadius = m_spheres.begin()->second->getRadius(); // ascending
 	}
+	buildTree();
+}
+
+void NodeShape::buildTree()
+{
 	std::vector<int> all( std::size_t( m_children.size() ) );
 	std::iota( all.begin(), all.end(), 0 );
 	m_dynamicAabbTree->m_root = buildNodeTree( &m_children[0], all );
@@ -311,6 +317,52 @@ std::size_t NodeShape::bytes() const
 	return std::size_t( m_children.size() ) * ( sizeof( btCompoundShapeChild ) + sizeof( btDbvtNode ) + sizeof( int ) ) +
 		m_refit.count() * ( sizeof( btDbvtNode ) + sizeof( btDbvtNode* ) ) +
 		m_childOfNode.size() * ( sizeof( int ) + sizeof( btSphereShape* ) ) + m_colliders.bytes() + m_rows.bytes();
+}
+
+// Those of an unbroken body without levels follow from its lattice. On levels the number that a child has depends on the changes so far,
+// and where cells were lost a radius may differ in its last bits.
+void NodeShape::archive( Archive& archive, const Body& body )
+{
+	if ( !body.levels() && body.firstCells().empty() )
+	{
+		return;
+	}
+	std::vector<int> nodes = m_nodeOfChild;
+	archive.sameLength( m_colliders.radius );
+	archive.sameLength( m_colliders.collides );
+	archive.sameLength( m_colliders.depth );
+	archive( m_largestRadius, m_smallestRadius, nodes );
+	const int count = body.nodeCount();
+	std::vector<int> sorted = nodes;
+	std::sort( sorted.begin(), sorted.end() );
+	archive.require( !nodes.empty() && sorted.front() >= 0 && sorted.back() < count &&
+			std::adjacent_find( sorted.begin(), sorted.end() ) == sorted.end() && m_smallestRadius > 0 &&
+			m_largestRadius >= m_smallestRadius,
+		"The spheres are those of another body." );
+	for ( const float radius : m_colliders.radius )
+	{
+		archive.require( radius > 0.0f && std::isfinite( radius ), "A sphere has an impossible radius." );
+	}
+	if ( !archive.isReading() || !archive.isSound() )
+	{
+		return;
+	}
+	const btScalar largest = m_largestRadius;
+	m_children.resizeNoInitialize( 0 );
+	m_nodeOfChild.clear();
+	m_childOfNode.assign( std::size_t( count ), -1 );
+	m_dynamicAabbTree->clear();
+	for ( int i = 0; body.levels() && i < count; ++i )
+	{
+		m_sphereOfNode[std::size_t( i )] = sphereOf( double( m_colliders.radius[body.levels()->cut().node[std::size_t( i )]] ) );
+	}
+	m_largestRadius = largest;
+	for ( const int node : nodes )
+	{
+		addChild( node, body.nodes().x.get( node ), m_sphereOfNode[std::size_t( node )] );
+	}
+	buildTree();
+	m_areRowsKnown = m_isRefitKnown = false;
 }
 
 } // namespace pliant

@@ -19,6 +19,8 @@
 
 namespace pliant {
 
+class Archive;
+
 class NodeShape : public btCompoundShape
 {
 public:
@@ -63,10 +65,15 @@ public:
 	/// Bullet's tree, as of the last freshen().
 	const btDbvt& tree() const { return *m_dynamicAabbTree; }
 
+	/// Writes or reads which nodes have spheres, and their sizes, where these do not follow from the lattice alone. `body`: that of the
+	/// shape.
+	void archive( Archive& archive, const Body& body );
+
 	std::size_t bytes() const;
 
 private:
 	void addUniform( const Lattice& lattice );
+	void buildTree();
 	void removeChild( int child );
 	bool renumber( const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& before );
 	bool collides( const Body& body, int node ) const;

@@ -1,6 +1,7 @@
 #include "world/shape/penetration_allowance.h"
 
 #include "adapt/octree/octree.h"
+#include "archive/archive.h"
 
 #include <algorithm>
 #include <limits>
@@ -57,6 +58,14 @@ void PenetrationAllowance::endPhase( double out )
 	{
 		m_allowed.clear();
 	}
+}
+
+void PenetrationAllowance::archive( Archive& archive, int nodeCount )
+{
+	archive( m_allowed, m_found );
+	archive.require( ( m_allowed.empty() || m_allowed.size() == std::size_t( nodeCount ) ) &&
+			( m_allowed.empty() || m_found.size() == m_allowed.size() ),
+		"An allowance is that of another body." );
 }
 
 } // namespace pliant

@@ -9,6 +9,8 @@
 
 namespace pliant {
 
+class Archive;
+
 class PenetrationAllowance
 {
 public:
@@ -23,6 +25,8 @@ public:
 	double allowedDepth( int node, double depth );
 	/// After all contacts of a collision phase: limits each allowance to the largest depth recorded, less `out`, m.
 	void endPhase( double out );
+	/// Writes or reads the allowances of a body of this many nodes.
+	void archive( Archive& archive, int nodeCount );
 
 private:
 	std::vector<float> m_allowed; ///< by node, m; infinity until measured; empty: no node has one

@@ -64,6 +64,24 @@ private:
 	std::vector<T*> m_all, m_shown;
 };
 
+/// Adds forces as Bullet has them, N and N m: it multiplies applied ones by the body's factors, and these are multiplied already.
+inline void addForces( btRigidBody& body, const btVector3& force, const btVector3& torque )
+{
+	const btVector3 linear = body.getLinearFactor(), angular = body.getAngularFactor(), one( 1, 1, 1 );
+	if ( linear != one )
+	{
+		body.setLinearFactor( one );
+	}
+	body.setAngularFactor( one );
+	body.applyCentralForce( force );
+	body.applyTorque( torque );
+	body.setAngularFactor( angular );
+	if ( linear != one )
+	{
+		body.setLinearFactor( linear );
+	}
+}
+
 /// Objects outside the pass that touch objects of it. They have moved already: contacts change their velocities, but forces must not act
 /// twice. Their contacts belong to the island of the object of the pass.
 class OutsideObjects
@@ -98,7 +116,7 @@ public:
 			saved.object->setIslandTag( saved.tag );
 			if ( btRigidBody* const rigid = btRigidBody::upcast( saved.object ) )
 			{
-				addForces( *rigid, saved );
+				addForces( *rigid, saved.force, saved.torque );
 			}
 		}
 		m_saved.clear();
@@ -111,24 +129,6 @@ private:
 		int tag;
 		btVector3 force, torque; ///< N, N m
 	};
-
-	/// Bullet multiplies applied forces by the body's factors; these forces are already multiplied by them.
-	static void addForces( btRigidBody& body, const Saved& saved )
-	{
-		const btVector3 linear = body.getLinearFactor(), angular = body.getAngularFactor(), one( 1, 1, 1 );
-		if ( linear != one )
-		{
-			body.setLinearFactor( one );
-		}
-		body.setAngularFactor( one );
-		body.applyCentralForce( saved.force );
-		body.applyTorque( saved.torque );
-		body.setAngularFactor( angular );
-		if ( linear != one )
-		{
-			body.setLinearFactor( linear );
-		}
-	}
 
 	std::vector<Saved> m_saved;
 };

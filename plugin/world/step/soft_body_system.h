@@ -27,6 +27,8 @@ class btCollisionDispatcher;
 
 namespace pliant {
 
+class WorldSnapshot;
+
 class SoftBodySystem
 {
 public:
@@ -144,6 +146,7 @@ public:
 	const btDiscreteDynamicsWorld& world() const { return m_world; }
 
 private:
+	friend class WorldSnapshot;
 	bool moves( const SoftBody& body ) const;
 	void moveHeldBodies();
 	ImplicitSolve& implicitSolve() { return m_implicit[int( m_pass )]; }

@@ -1,5 +1,7 @@
 #include "world/step/step_impulses.h"
 
+#include "archive/archive.h"
+
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
@@ -53,6 +55,12 @@ StepImpulses::Contact* StepImpulses::find( const btPersistentManifold& manifold 
 	const bool isSame = contact.manifold == &manifold && contact.bodies[0] == manifold.getBody0() &&
 		contact.bodies[1] == manifold.getBody1();
 	return isSame ? &contact : nullptr;
+}
+
+void StepImpulses::add( const Contact& contact )
+{
+	m_contacts.push_back( contact );
+	contact.manifold->m_companionIdA = int( m_contacts.size() );
 }
 
 // Impulses that the game has changed since the last step stay unchanged.
@@ -110,8 +118,7 @@ void StepImpulses::add( btDispatcher& dispatcher )
 			contact->sum += sum;
 			continue;
 		}
-		m_contacts.push_back( Contact{ &manifold, { manifold.getBody0(), manifold.getBody1() }, sum, 0, {}, {} } );
-		manifold.m_companionIdA = int( m_contacts.size() );
+		add( Contact{ &manifold, { manifold.getBody0(), manifold.getBody1() }, sum, 0, {}, {} } );
 	}
 	for ( Joint& joint : m_joints )
 	{
@@ -167,6 +174,17 @@ void StepImpulses::forget( const btTypedConstraint* joint )
 {
 	m_joints.erase(
 		std::remove_if( m_joints.begin(), m_joints.end(), [joint]( const Joint& own ) { return own.joint == joint; } ), m_joints.end() );
+}
+
+void StepImpulses::PointImpulse::archive( Archive& archive )
+{
+	archive( normal, lateral1, lateral2 );
+}
+
+void StepImpulses::Contact::archive( Archive& archive )
+{
+	archive( sum, points, last, shown );
+	archive.require( points >= 0 && points <= kMostPoints, "A contact has too many points." );
 }
 
 } // namespace pliant

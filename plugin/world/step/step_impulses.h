@@ -15,6 +15,8 @@ class btTypedConstraint;
 
 namespace pliant {
 
+class Archive;
+
 class StepImpulses
 {
 public:
@@ -29,21 +31,30 @@ public:
 	/// Call when the world removes a joint.
 	void forget( const btTypedConstraint* joint );
 
-private:
 	static constexpr int kMostPoints = 4; ///< per manifold
 	struct PointImpulse
 	{
 		btScalar normal, lateral1, lateral2; ///< N s
+		void archive( Archive& archive );
 	};
 	struct Contact
 	{
 		btPersistentManifold* manifold;
 		const btCollisionObject* bodies[2];
-		double sum;                     ///< of the step's substeps, N s
-		int points = 0;                 ///< at the end of the step
-		PointImpulse last[kMostPoints]; ///< of each point, in the last substep
-		btScalar shown[kMostPoints];    ///< normal impulses written to the points instead, N s
+		double sum;                          ///< of the step's substeps, N s
+		int points = 0;                      ///< at the end of the step
+		PointImpulse last[kMostPoints] = {}; ///< of each point, in the last substep
+		btScalar shown[kMostPoints] = {};    ///< normal impulses written to the points instead, N s
+		/// Writes or reads everything but whose contact it is.
+		void archive( Archive& archive );
 	};
+	/// A contact's impulses of the last game step; null where there are none.
+	Contact* find( const btPersistentManifold& manifold );
+	/// Discards all of them, and adds those of one contact: for a world that is restored.
+	void clear() { m_contacts.clear(); }
+	void add( const Contact& contact );
+
+private:
 	struct Joint
 	{
 		btTypedConstraint* joint;
@@ -51,8 +62,6 @@ private:
 		btScalar motor, scaledMotor;         ///< N s
 		double sum;                          ///< of the step's substeps, N s
 	};
-
-	Contact* find( const btPersistentManifold& manifold );
 
 	std::vector<Contact> m_contacts;
 	std::vector<Joint> m_joints;

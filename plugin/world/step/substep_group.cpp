@@ -1,5 +1,6 @@
 #include "world/step/substep_group.h"
 
+#include "archive/archive.h"
 #include "world/bodies/attachments.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
@@ -346,6 +347,17 @@ void SubstepGroup::choose( const Scene& scene, const std::vector<SoftBody*>& sub
 			m_isMember[std::size_t( i )] = canMove( *objects[i] ) ? 1 : 0;
 		}
 	}
+}
+
+void SubstepGroup::TagPair::archive( Archive& archive )
+{
+	archive( a, b );
+	archive.require( a >= 0 && b >= 0 && a < kMostTags && b < kMostTags, "The tag of an island is out of range." );
+}
+
+void SubstepGroup::archive( Archive& archive )
+{
+	archive( m_isMember, m_joinedTags, m_isEmpty, m_isSplit );
 }
 
 } // namespace pliant

@@ -23,6 +23,7 @@ enum class StepPass
 	Substeps ///< soft substeps, by one of them
 };
 
+class Archive;
 class Attachments;
 
 class SubstepGroup
@@ -72,6 +73,8 @@ public:
 	void noteContact( const btCollisionObject& a, const btCollisionObject& b );
 	/// After the last substep: gives the islands of the group tags that no other island has.
 	void endSubsteps( btCollisionWorld& world );
+	/// Writes or reads what a game step leaves to the next, for objects in the same order.
+	void archive( Archive& archive );
 
 private:
 	static bool isMember( const std::vector<unsigned char>& flags, const btCollisionObject& object );
@@ -83,6 +86,7 @@ private:
 	struct TagPair
 	{
 		int a, b;
+		void archive( Archive& archive );
 	};
 
 	std::vector<unsigned char> m_isMember, m_wasMember; ///< by object index in the world; in this and the last game step

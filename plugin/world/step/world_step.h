@@ -17,6 +17,8 @@
 
 namespace pliant {
 
+class WorldSnapshot;
+
 class WorldStep
 {
 public:
@@ -51,6 +53,7 @@ public:
 	btDiscreteDynamicsWorld& world() const { return m_parts.world; }
 
 private:
+	friend class WorldSnapshot;
 	void openTick();
 	void makePasses( btScalar timeStep, int substeps );
 	void runPass( btScalar h );

@@ -1,0 +1,107 @@
+// +-----------------------------------------------------------------------------------------------------------------+
+// | A scene saved at random steps, in its stages' worlds: restored there and in a second run of the scene, they must  |
+// | step on as they did, to the bit. The scene itself stands still meanwhile: it moves nothing and cuts nothing.      |
+// +-----------------------------------------------------------------------------------------------------------------+
+
+#include "demos/play.h"
+#include "demos/run.h"
+
+#include <pliant/io/snapshot.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <random>
+
+namespace pliant_demos {
+
+namespace {
+
+constexpr int kStepsAfter = 300;
+
+using Bytes = std::vector<std::byte>;
+
+/// With the templates, as a game would save it; or what equal worlds have in common.
+Bytes save( const Stage& stage, bool forComparison )
+{
+	Bytes bytes;
+	pliant::SaveSettings settings;
+	settings.withTemplates = !forComparison;
+	settings.forComparison = forComparison;
+	const pliant::Status status = pliant::saveWorld( stage.world(), bytes, settings );
+	if ( !status.ok() )
+	{
+		std::fprintf( stderr, "%s\n", status.sentence.c_str() );
+	}
+	return bytes;
+}
+
+void stepOn( Stage& stage )
+{
+	for ( int k = 0; k < kStepsAfter; ++k )
+	{
+		stage.world().stepSimulation( btScalar( 1 ) / kStepsPerSecond, 0 );
+	}
+}
+
+/// Restores, steps on, and says what came of it.
+std::string comparison( Stage& stage, const Bytes& from, const Bytes& then, const Bytes& wanted )
+{
+	const auto restored = pliant::restoreWorld( stage.world(), from );
+	if ( !restored )
+	{
+		return restored.status.sentence;
+	}
+	const bool isSame = save( stage, true ) == then;
+	stepOn( stage );
+	return save( stage, true ) == wanted ? isSame ? "equal" : "equal, but not right away" : isSame ? "DIFFERENT" : "DIFFERENT right away";
+}
+
+void playTo( Play& play, int step )
+{
+	for ( int k = 0; k < step; ++k )
+	{
+		play.step();
+		play.skin(); // cracks are drawn
+	}
+}
+
+} // namespace
+
+int runSnapshots( const SceneEntry& entry, const RunSettings& settings )
+{
+	std::printf( "%s: saved at a step, and %d steps on\n\n", entry.name, kStepsAfter );
+	std::printf( "  %6s %8s %8s %10s   %-28s %s\n", "step", "bodies", "pieces", "bytes", "in the same world", "in another world" );
+	const int steps = [&] {
+		Play play( entry, settings.stage );
+		const FilmLength film = play.film( settings.framesPerSecond, settings.frames );
+		return std::max( 1, film.frames * film.stepsPerFrame );
+	}();
+	std::mt19937 random( settings.stage.seed );
+	bool areEqual = true;
+	for ( int k = 0; k < settings.snapshots; ++k )
+	{
+		const int step = 1 + int( random() % unsigned( steps ) );
+		Play play( entry, settings.stage ), other( entry, settings.stage );
+		if ( !play.isGood() || !other.isGood() )
+		{
+			std::fprintf( stderr, "%s: %s\n", entry.name, play.stage().status().sentence.c_str() );
+			return 1;
+		}
+		playTo( play, step );
+		const std::vector<Stage*> stages = play.stages(), others = other.stages();
+		for ( std::size_t s = 0; s < stages.size(); ++s )
+		{
+			Stage& stage = *stages[s];
+			const Bytes saved = save( stage, false ), then = save( stage, true );
+			const int bodies = stage.world().softBodyCount(), pieces = stage.world().fragmentCount();
+			stepOn( stage );
+			const Bytes wanted = save( stage, true );
+			const std::string here = comparison( stage, saved, then, wanted ), there = comparison( *others[s], saved, then, wanted );
+			std::printf( "  %6d %8d %8d %10zu   %-28s %s\n", step, bodies, pieces, saved.size(), here.c_str(), there.c_str() );
+			areEqual = areEqual && here == "equal" && there == "equal";
+		}
+	}
+	return areEqual ? 0 : 1;
+}
+
+} // namespace pliant_demos

@@ -1,0 +1,46 @@
+#include "archive/archive.h"
+#include "body/levels/levels.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+Cut Levels::readCut( Archive& archive, const Octree& octree, std::vector<std::uint32_t> nodes )
+{
+	Cut cut;
+	cut.node = std::move( nodes );
+	const auto exists = [count = std::uint32_t( octree.nodeCount() )]( std::uint32_t node ) { return node < count; };
+	if ( archive.require( std::all_of( cut.node.begin(), cut.node.end(), exists ), "A node of a level does not exist." ) )
+	{
+		cut.slotOfCell.assign( octree.cells.size(), 0 );
+		numberCells( octree, cut );
+		archive.require( validate( cut, octree ).ok(), "The nodes of the levels do not cover the body." );
+	}
+	return cut;
+}
+
+// What the last review found is applied in the same substep, and rows are skipped only within one: both are empty between substeps. Loads
+// are measured before each review.
+void Levels::archive( Archive& archive )
+{
+	const std::size_t cells = m_cut.slotOfCell.size();
+	archive( m_version, m_finestLevel, m_refineStretch, m_together, m_sinceMerge, m_budget, m_hasBacklog );
+	archive.sameLength( m_coarsest );
+	archive.sameLength( m_quiet );
+	archive.sameLength( m_wasRequested );
+	archive( m_pinnedLevel, m_requested );
+	archive.require( ( m_pinnedLevel.empty() || m_pinnedLevel.size() == cells ) && m_finestLevel >= 0 && m_finestLevel <= kMaxCoarseLevels,
+		"The levels of detail are those of another body." );
+	if ( archive.isReading() )
+	{
+		m_reviewed.isKnown = false;
+	}
+}
+
+void Levels::archiveTables( Archive& archive )
+{
+	m_ownsBase = true;
+	std::const_pointer_cast<RegionTables>( m_tables )->archiveNumbers( archive );
+}
+
+} // namespace pliant

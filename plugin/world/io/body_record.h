@@ -1,0 +1,50 @@
+#pragma once
+
+// One soft body of a snapshot.
+
+#include "archive/archive.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/io/object_state.h"
+
+#include <memory>
+#include <vector>
+
+namespace pliant {
+
+void archive( Archive& archive, CutTrace& cut );
+
+struct BodyRecord
+{
+	/// A pin as stored: its object by index in the snapshot.
+	struct StoredPin
+	{
+		int node = -1, object = -1;
+		PinKind kind = PinKind::Still;
+		btVector3 point = btVector3( 0, 0, 0 );
+		bool hasTarget = false;
+		void archive( Archive& archive );
+	};
+
+	unsigned serial = 0;
+	int bodyTemplate = 0; ///< index in the snapshot
+	int group = 0, mask = 0;
+	int family = -1, cuts = -1; ///< index in the snapshot; -1: none
+	bool isDrawn = false;
+	ObjectState motion;
+	ObjectSettings settings;
+	std::vector<StoredPin> pins;
+	std::unique_ptr<SoftBody::Impl> made;                 ///< what was read; null: to be read in place, from `state`
+	Archive state = Archive( nullptr, std::size_t( 0 ) ); ///< not read yet
+
+	/// Everything that is stored of a body but what it is made of and its state. `pinned`: the index of a pin's object.
+	static BodyRecord of( const SoftBody& body );
+	void archive( Archive& archive );
+	/// Writes record, make and state of a body.
+	static void write( Archive& archive, const SoftBody& body, BodyRecord& record );
+	/// Reads them. `live`: a body that is to be this one, or null; it is read in place later where that cannot fail.
+	void read( Archive& archive, const std::vector<std::shared_ptr<const BodyTemplate>>& templates, SoftBody* live );
+	/// Makes `body` the recorded one, but for what refers to other objects. `freshens`: its shape is ready for queries.
+	void applyTo( SoftBody& body, bool freshens = true );
+};
+
+} // namespace pliant

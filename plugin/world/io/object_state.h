@@ -1,0 +1,45 @@
+#pragma once
+
+// Bullet's part of an object's state: motion, sleep, and the properties of contact.
+
+#include "archive/archive.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <LinearMath/btTransform.h>
+
+namespace pliant {
+
+void archive( Archive& archive, btVector3& vector );
+void archive( Archive& archive, btTransform& transform );
+
+/// What a step changes of an object. Of an object that is no rigid body, transforms and velocities stay as they are.
+struct ObjectState
+{
+	btTransform transform = btTransform::getIdentity(), interpolation = btTransform::getIdentity();
+	btVector3 linear = btVector3( 0, 0, 0 ), angular = btVector3( 0, 0, 0 );
+	btVector3 interpolationLinear = btVector3( 0, 0, 0 ), interpolationAngular = btVector3( 0, 0, 0 );
+	btVector3 force = btVector3( 0, 0, 0 ), torque = btVector3( 0, 0, 0 ); ///< N, N m, as Bullet sums them
+	int activation = ACTIVE_TAG, islandTag = -1;
+	btScalar deactivationTime = btScalar( 0 );
+
+	static ObjectState of( const btCollisionObject& object );
+	void applyTo( btCollisionObject& object ) const;
+	/// Only what a game cannot set, and would not think of: the island.
+	void applyTag( btCollisionObject& object ) const { object.setIslandTag( islandTag ); }
+	void archive( Archive& archive );
+};
+
+/// What a game sets of a soft body as of any collision object.
+struct ObjectSettings
+{
+	int flags = 0, frictionMode = 0, userIndex[3] = {};
+	btVector3 anisotropicFriction = btVector3( 1, 1, 1 );
+	btScalar friction = 0, restitution = 0, rolling = 0, spinning = 0, stiffness = 0, damping = 0, threshold = 0, hitFraction = 1,
+			 ccdRadius = 0, ccdThreshold = 0;
+
+	static ObjectSettings of( const btCollisionObject& object );
+	void applyTo( btCollisionObject& object ) const;
+	void archive( Archive& archive );
+};
+
+} // namespace pliant

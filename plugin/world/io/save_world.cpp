@@ -1,0 +1,248 @@
+// Collects and writes the state of a world.
+
+#include "world/io/world_snapshot.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+void WorldSnapshot::Entry::archive( Archive& archive )
+{
+	archive( record, id, type, shape, state );
+}
+
+void archive( Archive& archive, PairContacts::Carried& carried )
+{
+	auto& [isNew, wasProcessed, numbering, parting, keys] = carried;
+	archive( isNew, wasProcessed, numbering, parting, keys );
+}
+
+void WorldSnapshot::PairRecord::archive( Archive& archive )
+{
+	archive( first, second, hasAlgorithm, isSoft );
+	if ( isSoft )
+	{
+		archive( soft );
+	}
+	archive( contacts );
+}
+
+void archive( Archive& archive, SharedNodes& nodes )
+{
+	auto& [count, node, press, rub] = nodes;
+	archive( count, node, press, rub );
+}
+
+void WorldSnapshot::AttachmentRecord::archive( Archive& archive )
+{
+	auto& [id, settings, firstPoint, secondPoint, rigidObject, rigidIndex, rigidPoint, lastForce, stepImpulse, stepTime,
+		force] = attachment;
+	archive( id, settings.compliance, settings.breakingForce, firstPoint.nodes, firstPoint.at, secondPoint.nodes, secondPoint.at,
+		rigidPoint, lastForce, stepImpulse, stepTime, force, first, second, rigid );
+}
+
+void WorldSnapshot::OutsideRecord::archive( Archive& archive )
+{
+	archive( object, change );
+}
+
+void WorldSnapshot::Values::archive( Archive& archive )
+{
+	archive( serials, lengths.whole, lengths.substep, localTime, fixedStep, clock, nextAttachment, hadBlocks, outside, asleep );
+	archive.require( std::isfinite( lengths.whole ) && std::isfinite( lengths.substep ) && lengths.whole >= 0 && lengths.substep >= 0 &&
+			std::isfinite( localTime ) && std::isfinite( fixedStep ) && ( lengths.whole == 0 || lengths.substep > 0 ),
+		"A time of the world is not valid." );
+}
+
+void WorldSnapshot::write( Archive& archive, const SaveSettings& settings )
+{
+	collect( settings );
+	writeTemplates( archive, settings.withTemplates );
+	archive( m_entries, m_familySizes, m_cuts );
+	std::uint64_t count = m_records.size();
+	archive( count );
+	for ( std::size_t k = 0; k < m_records.size(); ++k )
+	{
+		BodyRecord::write( archive, *m_live[k], m_records[k] );
+	}
+	archive( m_touched, m_attachments, m_values );
+	m_bodies.group.archive( archive );
+	m_broadphase.archive( archive, int( m_entries.size() ) );
+	archive( m_pairs );
+}
+
+void WorldSnapshot::collect( const SaveSettings& settings )
+{
+	std::vector<const std::shared_ptr<int>*> families;
+	std::vector<const std::shared_ptr<std::vector<CutTrace>>*> cuts;
+	const auto indexIn = []( auto& known, const auto& pointer ) {
+		const auto found = std::find_if( known.begin(), known.end(), [&]( const auto* one ) { return *one == pointer; } );
+		const int index = int( found - known.begin() );
+		found == known.end() ? known.push_back( &pointer ) : void();
+		return index;
+	};
+	for ( SoftBody* const body : m_bodies.bodies() )
+	{
+		const SoftBody::Impl& impl = body->impl();
+		BodyRecord record = BodyRecord::of( *body );
+		const auto known = std::find( m_templates.begin(), m_templates.end(), impl.bodyTemplate );
+		record.bodyTemplate = int( known - m_templates.begin() );
+		known == m_templates.end() ? m_templates.push_back( impl.bodyTemplate ) : void();
+		record.family = impl.family ? indexIn( families, impl.family ) : -1;
+		record.cuts = impl.cuts ? indexIn( cuts, impl.cuts ) : -1;
+		m_records.push_back( std::move( record ) );
+		m_live.push_back( body );
+		m_touched.emplace_back();
+		for ( const ContactProxy* const proxy : impl.touched )
+		{
+			m_touched.back().push_back( proxy->node );
+		}
+	}
+	for ( const auto* const family : families )
+	{
+		m_familySizes.push_back( **family );
+	}
+	for ( const auto* const list : cuts )
+	{
+		m_cuts.push_back( **list );
+	}
+	const btCollisionObjectArray& objects = m_step.m_parts.objects;
+	int others = 0;
+	for ( int k = 0; k < objects.size(); ++k )
+	{
+		Entry entry;
+		if ( const SoftBody* const soft = asSoftBody( objects[k] ) )
+		{
+			entry.record = int( std::find( m_live.begin(), m_live.end(), soft ) - m_live.begin() );
+		}
+		else
+		{
+			entry.id = settings.idOf ? settings.idOf( *objects[k], settings.context ) : others;
+			entry.type = objects[k]->getInternalType();
+			entry.shape = objects[k]->getCollisionShape() ? objects[k]->getCollisionShape()->getShapeType() : -1;
+			entry.state = ObjectState::of( *objects[k] );
+			++others;
+		}
+		m_entries.push_back( entry );
+	}
+	collectValues();
+	collectAttachments();
+	m_broadphase = BroadphaseRecord::of( *m_step.m_parts.world.getBroadphase(), objects, !settings.forComparison );
+	collectPairs();
+}
+
+void WorldSnapshot::writeTemplates( Archive& archive, bool areStored )
+{
+	std::uint64_t count = m_templates.size();
+	archive( count );
+	for ( const std::shared_ptr<const BodyTemplate>& each : m_templates )
+	{
+		std::uint64_t fingerprint = each->fingerprint();
+		archive( fingerprint, areStored );
+		if ( areStored )
+		{
+			const std::size_t part = archive.open();
+			archive.write( *each );
+			archive.close( part );
+		}
+	}
+}
+
+void WorldSnapshot::collectValues()
+{
+	m_values.serials = m_bodies.m_serials;
+	m_values.lengths = m_step.m_lengths;
+	m_values.localTime = m_step.m_parts.localTime;
+	m_values.fixedStep = m_step.m_parts.fixedStep;
+	m_values.clock = m_bodies.m_clock;
+	m_values.nextAttachment = m_bodies.attachments.nextId();
+	for ( int pass = 0; pass < 2; ++pass )
+	{
+		const ImplicitSolve::Carried carried = m_bodies.m_implicit[pass].carried();
+		m_values.hadBlocks[pass] = carried.hadBlocks;
+		for ( const OutsideImpulse& outside : carried.outside )
+		{
+			int index = -1; // the object may have been deleted since
+			const auto& all = m_bodies.bodies();
+			const auto owner = std::find_if( all.begin(), all.end(),
+				[&outside]( const SoftBody* body ) { return body->impl().twin.get() == outside.object && outside.object; } );
+			const btCollisionObject* const object = owner == all.end() ? outside.object : *owner;
+			m_bodies.holds( object, index ) ? m_values.outside[pass].push_back( { index, outside.change } ) : void();
+		}
+	}
+	for ( const SoftBody* const body : m_bodies.m_asleep )
+	{
+		m_values.asleep.push_back( body->impl().serial );
+	}
+}
+
+void WorldSnapshot::collectAttachments()
+{
+	for ( const Attachment& attachment : m_bodies.attachments.all() )
+	{
+		m_attachments.push_back(
+			{ attachment, indexOf( attachment.first.body ), indexOf( attachment.second.body ), indexOf( attachment.rigid ) } );
+	}
+}
+
+std::vector<ManifoldRecord> WorldSnapshot::contactsOf( const PairContacts& contacts )
+{
+	std::vector<ManifoldRecord> records;
+	records.reserve( contacts.contacts().size() );
+	for ( const NodeContact& contact : contacts.contacts() )
+	{
+		records.push_back( ManifoldRecord::of( *contact.manifold, contact.manifold->m_index1a, m_step.m_impulses ) );
+	}
+	return records;
+}
+
+WorldSnapshot::PairRecord WorldSnapshot::recordOf( const btBroadphasePair& pair )
+{
+	PairRecord record;
+	record.first = indexOf( static_cast<const btCollisionObject*>( pair.m_pProxy0->m_clientObject ) );
+	record.second = indexOf( static_cast<const btCollisionObject*>( pair.m_pProxy1->m_clientObject ) );
+	record.hasAlgorithm = pair.m_algorithm != nullptr;
+	const std::vector<PairContacts*>& all = m_bodies.pairScratch.all;
+	const auto soft = std::find_if( all.begin(), all.end(),
+		[&pair]( const PairContacts* contacts ) { return contacts->algorithm && contacts->algorithm == pair.m_algorithm; } );
+	record.isSoft = soft != all.end();
+	if ( record.isSoft )
+	{
+		record.soft = ( *soft )->carried();
+		record.contacts = contactsOf( **soft );
+	}
+	else if ( record.hasAlgorithm )
+	{
+		btManifoldArray manifolds;
+		pair.m_algorithm->getAllContactManifolds( manifolds );
+		for ( int k = 0; k < manifolds.size(); ++k )
+		{
+			record.contacts.push_back( ManifoldRecord::of( *manifolds[k], manifolds[k]->m_index1a, m_step.m_impulses ) );
+		}
+	}
+	return record;
+}
+
+WorldSnapshot::PairRecord WorldSnapshot::selfContactsOf( const SoftBody& body )
+{
+	const PairContacts& contacts = *body.impl().self->contacts;
+	return PairRecord{ indexOf( &body ), indexOf( &body ), false, true, contacts.carried(), contactsOf( contacts ) };
+}
+
+void WorldSnapshot::collectPairs()
+{
+	btOverlappingPairCache& cache = *m_step.m_parts.world.getPairCache();
+	for ( int k = 0; k < cache.getNumOverlappingPairs(); ++k )
+	{
+		m_pairs.push_back( recordOf( cache.getOverlappingPairArrayPtr()[k] ) );
+	}
+	for ( const SoftBody* const body : m_bodies.bodies() )
+	{
+		if ( body->impl().self && body->impl().self->contacts )
+		{
+			m_pairs.push_back( selfContactsOf( *body ) );
+		}
+	}
+}
+
+} // namespace pliant

@@ -1,0 +1,125 @@
+#pragma once
+
+// All that a world with soft bodies carries from step to step: written, or read completely and then put in place.
+
+#include "pliant/io/snapshot.h"
+#include "world/io/body_record.h"
+#include "world/io/broadphase_record.h"
+#include "world/io/manifold_record.h"
+#include "world/step/world_step.h"
+
+#include <memory>
+#include <vector>
+
+namespace pliant {
+
+class WorldSnapshot
+{
+public:
+	explicit WorldSnapshot( WorldStep& step ) : m_step( step ), m_bodies( step.bodies ) {}
+
+	void write( Archive& archive, const SaveSettings& settings );
+	/// Reads everything and checks it against the world, which stays as it is.
+	void read( Archive& archive, const LoadSettings& settings );
+	/// Makes the world the one that was read.
+	void commit( RestoredWorld& report );
+
+private:
+	/// An object of the world: a soft body by its index in m_records, or another by its number.
+	struct Entry
+	{
+		int record = -1;
+		std::int64_t id = 0;
+		int type = 0, shape = 0; ///< Bullet's, to tell a mistaken object
+		ObjectState state;
+		btCollisionObject* object = nullptr; ///< that is found to be it; a soft body's is set when it is in place
+		void archive( Archive& archive );
+	};
+	/// A pair of the broadphase, or a body with itself.
+	struct PairRecord
+	{
+		int first = -1, second = -1; ///< objects
+		bool hasAlgorithm = false, isSoft = false;
+		PairContacts::Carried soft;
+		std::vector<ManifoldRecord> contacts;
+		void archive( Archive& archive );
+	};
+	struct AttachmentRecord
+	{
+		Attachment attachment;
+		int first = -1, second = -1, rigid = -1; ///< objects
+		void archive( Archive& archive );
+	};
+	struct OutsideRecord
+	{
+		int object = -1;
+		Vector6 change = Vector6::Zero();
+		void archive( Archive& archive );
+	};
+	/// Numbers of the world.
+	struct Values
+	{
+		unsigned serials = 0;
+		WorldStep::Lengths lengths;
+		btScalar localTime = 0, fixedStep = 0;
+		double clock = 0.0; ///< SoftBodySystem's
+		int nextAttachment = 0;
+		bool hadBlocks[2] = {};
+		std::vector<OutsideRecord> outside[2];
+		std::vector<unsigned> asleep; ///< serials
+		void archive( Archive& archive );
+	};
+
+	// Writing.
+	void collect( const SaveSettings& settings );
+	void writeTemplates( Archive& archive, bool areStored );
+	void collectValues();
+	void collectAttachments();
+	void collectPairs();
+	PairRecord recordOf( const btBroadphasePair& pair );
+	PairRecord selfContactsOf( const SoftBody& body );
+	std::vector<ManifoldRecord> contactsOf( const PairContacts& contacts );
+	int indexOf( const btCollisionObject* object ) const { return object ? object->getWorldArrayIndex() : -1; }
+
+	// Reading.
+	void readTemplates( Archive& archive, const LoadSettings& settings );
+	std::shared_ptr<const BodyTemplate> templateOf( std::uint64_t fingerprint, const LoadSettings& settings ) const;
+	void findObjects( Archive& archive, const LoadSettings& settings );
+	void readBodies( Archive& archive );
+	void checkReferences( Archive& archive );
+	void checkPair( Archive& archive, const PairRecord& pair ) const;
+	bool isSoft( int object ) const { return m_entries[std::size_t( object )].record >= 0; }
+	bool isObject( int object ) const { return object >= 0 && std::size_t( object ) < m_entries.size(); }
+	bool isBodyNode( int object, int node ) const;
+
+	// Putting in place.
+	void endContacts();
+	void removeOthers( RestoredWorld& report );
+	void placeBodies( RestoredWorld& report );
+	void orderObjects();
+	void restoreReferences();
+	void restorePairs();
+	void restorePair( const PairRecord& record );
+	void fillManifolds( const PairRecord& record, const btAlignedObjectArray<btPersistentManifold*>& manifolds );
+	void orderTouched( SoftBody& body ) const;
+	void restoreValues();
+
+	WorldStep& m_step;
+	SoftBodySystem& m_bodies;
+	std::vector<std::shared_ptr<const BodyTemplate>> m_templates;
+	std::vector<Entry> m_entries; ///< in the order of the world's list
+	std::vector<BodyRecord> m_records;
+	std::vector<SoftBody*> m_live;           ///< by record: the body of the world that is to be it; null: a new one
+	std::vector<std::vector<int>> m_touched; ///< by record: its touched nodes, in their order
+	std::vector<int> m_familySizes;
+	std::vector<std::vector<CutTrace>> m_cuts;
+	std::vector<AttachmentRecord> m_attachments;
+	Values m_values;
+	SubstepGroup m_group;
+	BroadphaseRecord m_broadphase;
+	std::vector<PairRecord> m_pairs;
+	ManifoldOrder m_order;
+	bool m_movesRigid = true, m_freshens = true;
+};
+
+} // namespace pliant
