@@ -30,6 +30,8 @@ int runHeadless( const SceneEntry& entry, const RunSettings& settings );
 int runDraws( const SceneEntry& entry, const RunSettings& settings );
 /// Saves and restores it at random steps, and prints whether it steps on to the same bits.
 int runSnapshots( const SceneEntry& entry, const RunSettings& settings );
+/// Draws each frame with skins of the library and with skins of the graphics card, and prints how far they are apart. 0 where they agree.
+int compareSkins( const SceneEntry& entry, const RunSettings& settings );
 int runInWindow( const SceneEntry& entry, const RunSettings& settings );
 
 } // namespace pliant_demos

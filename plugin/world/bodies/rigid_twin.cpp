@@ -67,6 +67,7 @@ SoftBody* ownerOfTwin( const btCollisionObject* object )
 void SoftBody::Impl::placeTwin( SoftBody& owner )
 {
 	const btTransform at = transformOf( body->rigidState()->motion );
+	++skin.moves;
 	mass = body->motion().mass;
 	meanSquareSpeed = body->motion().squareSpeed / mass;
 	owner.setWorldTransform( at );
