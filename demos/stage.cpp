@@ -7,6 +7,9 @@
 #include "third_party_glue/assimp_mesh.h"
 
 #include <pliant/contact_solver.h>
+#include <pliant/soft_body_world_over.h>
+
+#include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 
 #include <algorithm>
 #include <chrono>
@@ -36,7 +39,7 @@ double secondsSince( Clock::time_point begin )
 }
 
 /// Contact points that no soft body has a part in; the step report counts the others.
-int rigidContacts( pliant::SoftBodyWorld& world )
+int rigidContacts( btDiscreteDynamicsWorld& world )
 {
 	int points = 0;
 	for ( int i = 0; i < world.getDispatcher()->getNumManifolds(); ++i )
@@ -72,16 +75,32 @@ private:
 
 } // namespace
 
-Stage::Stage( const StageOptions& options, std::string name ) :
+Stage::Stage( const StageOptions& options, std::string name, StageWorld kind ) :
 	m_options( options ), m_name( std::move( name ) ), m_configuration( new btDefaultCollisionConfiguration ),
-	m_dispatcher( new btCollisionDispatcher( m_configuration.get() ) ), m_broadphase( new btDbvtBroadphase ),
-	m_solver( new pliant::ContactSolver ),
-	m_world( new pliant::SoftBodyWorld( m_dispatcher.get(), m_broadphase.get(), m_solver.get(), m_configuration.get() ) )
+	m_dispatcher( new btCollisionDispatcher( m_configuration.get() ) ), m_broadphase( new btDbvtBroadphase )
 {
-	m_world->setThreadCount( options.threads );
+	if ( kind == StageWorld::MultiBodies )
+	{
+		auto solver = std::make_unique<btMultiBodyConstraintSolver>();
+		auto world = std::make_unique<pliant::SoftBodyWorldOver<btMultiBodyDynamicsWorld>>(
+			m_dispatcher.get(), m_broadphase.get(), solver.get(), m_configuration.get() );
+		m_host = world.get();
+		m_multiBodies = world.get();
+		m_solver = std::move( solver );
+		m_world = std::move( world );
+	}
+	else
+	{
+		m_solver = std::make_unique<pliant::ContactSolver>();
+		auto world = std::make_unique<pliant::SoftBodyWorld>(
+			m_dispatcher.get(), m_broadphase.get(), m_solver.get(), m_configuration.get() );
+		m_host = m_plain = world.get();
+		m_world = std::move( world );
+	}
+	m_host->setThreadCount( options.threads );
 	if ( options.softSubsteps > 0 )
 	{
-		m_world->setSoftSubsteps( options.softSubsteps );
+		m_host->setSoftSubsteps( options.softSubsteps );
 	}
 }
 
@@ -95,7 +114,7 @@ Stage::~Stage()
 	{
 		if ( item.owned != nullptr )
 		{
-			m_world->removeSoftBody( item.body );
+			m_host->removeSoftBody( item.body );
 		}
 	}
 	for ( const RigidItem& item : m_rigid )
@@ -207,7 +226,7 @@ pliant::SoftBody* Stage::addSoft( const SoftOrder& order )
 	}
 	pliant::SoftBody* const added = body.value.get();
 	added->setFriction( order.friction );
-	m_world->addSoftBody( added );
+	m_host->addSoftBody( added );
 	m_soft.push_back( { std::move( body.value ), added, m_nextId++, order.colour, {}, order.insideColour } );
 	return added;
 }
@@ -228,13 +247,13 @@ void Stage::step( double seconds )
 	const double wallSeconds = secondsSince( begin );
 	m_isSkinned = false;
 	followFragments();
-	m_log.add( m_world->stepReport(), wallSeconds, rigidContacts( *m_world ) );
+	m_log.add( m_host->stepReport(), wallSeconds, rigidContacts( *m_world ) );
 }
 
 /// What broke off gets the colour of what it broke off from; what the world has taken out is forgotten.
 void Stage::followFragments()
 {
-	for ( const pliant::FractureEvent& event : m_world->fractureEvents() )
+	for ( const pliant::FractureEvent& event : m_host->fractureEvents() )
 	{
 		for ( pliant::SoftBody* fragment : event.fragments )
 		{
@@ -259,14 +278,14 @@ void Stage::followFragments()
 			m_soft.push_back( std::move( item ) );
 		}
 	}
-	if ( m_soft.size() == std::size_t( m_world->softBodyCount() ) )
+	if ( m_soft.size() == std::size_t( m_host->softBodyCount() ) )
 	{
 		return;
 	}
 	std::set<const pliant::SoftBody*> present;
-	for ( int i = 0; i < m_world->softBodyCount(); ++i )
+	for ( int i = 0; i < m_host->softBodyCount(); ++i )
 	{
-		present.insert( m_world->softBody( i ) );
+		present.insert( m_host->softBody( i ) );
 	}
 	std::erase_if( m_soft, [&]( const SoftItem& item ) { return item.owned == nullptr && present.count( item.body ) == 0; } );
 }

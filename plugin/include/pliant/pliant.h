@@ -5,6 +5,7 @@
 //     pliant/soft_body_world_over.h    soft bodies in Bullet's other worlds, or in the game's own
 //     pliant/contact_solver.h          Bullet's contact solver, faster with soft bodies
 //     pliant/vehicle_raycaster.h       wheels of Bullet's vehicle on soft bodies
+//     pliant/game/skeleton.h           bodies that follow an animated pose
 //     pliant/build.h, version.h        which features and which version this is
 //
 // Included here, and there to be included alone where less is wanted: mesh.h, crack.h and body_template.h (meshes), material.h,

@@ -15,6 +15,7 @@
 #include "world/shape/contact_proxy.h"
 #include "world/shape/node_shape.h"
 #include "world/shape/penetration_allowance.h"
+#include "world/bodies/pose_follower.h"
 #include "world/touch/contact_surface.h"
 
 #include <cmath>
@@ -157,6 +158,7 @@ struct SoftBody::Impl
 	mutable unsigned crackVersionBefore = 0;       ///< fractureVersion that the view's last change started from
 
 	std::unique_ptr<SelfCollision> self;    ///< null: no self-collision
+	std::unique_ptr<PoseFollower> follower; ///< null: follows no pose
 	std::vector<Pin> pins;                  ///< ascending by node
 	std::vector<ContactProxy*> proxyOfNode; ///< by node; null without contacts
 	mutable int partingPhases = 0;          ///< above 0: it is being separated (parting.h), without tunneling guard

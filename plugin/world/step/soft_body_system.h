@@ -6,6 +6,7 @@
 #include "pliant/step_report.h"
 #include "pliant/task_runner.h"
 #include "world/bodies/attachments.h"
+#include "world/bodies/frames.h"
 #include "world/bodies/skin_scratch_pool.h"
 #include "world/detect/node_algorithm.h"
 #include "world/detect/node_contacts.h"
@@ -87,6 +88,8 @@ public:
 	/// Solves implicit bodies and what they touch before Bullet's solver; noteSolved() then reads that solver's results.
 	void solveImplicit( btDispatcher& dispatcher, const btContactSolverInfo& info );
 	void noteSolved() { implicitSolve().after(); }
+	void giveFrames( btScalar h ); ///< the velocities of their patches, before the solver
+	void readFrames( btScalar h ); ///< what joints have changed, to the patches' nodes
 	void readBack();             ///< the solver's results for touched nodes
 	void holdBack( btScalar h ); ///< keeps fast nodes from passing through static and kinematic objects
 	void integrate( btScalar h, int substep );
@@ -107,6 +110,7 @@ public:
 	bool release( SoftBody& fragment );
 	std::vector<FractureEvent> events;
 	Attachments attachments;
+	Frames frames;
 	std::vector<SoftBody*> owned; ///< fragments that the game has not released
 
 	void releasePinsTo( const btRigidBody& body );
@@ -151,6 +155,7 @@ private:
 	bool breakBodies();
 	struct Broken;
 	void makeFragments( std::vector<Broken>& broken );
+	void claimFrames( Broken& broken );
 	void settlePieces( Broken& broken );
 	void advanceFading( btScalar gameStep );
 	void addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fragment );
@@ -166,6 +171,9 @@ private:
 	void removeLost();
 	void noteSleepers();
 	void wakeRestingOnWoken();
+	void drawToPose( SoftBody& body ); ///< of an explicit body, after its forces
+	void placeFrames();
+	void pressFrames( bool isOn );
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
 

@@ -24,6 +24,7 @@ enum class StepPass
 };
 
 class Attachments;
+class Frames;
 
 class SubstepGroup
 {
@@ -45,6 +46,7 @@ public:
 		const btAlignedObjectArray<btRigidBody*>& rigid; ///< without static ones
 		const btAlignedObjectArray<btTypedConstraint*>& constraints;
 		const Attachments& attachments;
+		const Frames& frames;
 		bool canSplit; ///< false: the group has all movable objects or none
 	};
 

@@ -58,6 +58,7 @@ void WorldStep::leave()
 	{
 		remove( bodies.bodies().back() );
 	}
+	bodies.frames.removeAll( m_parts.world );
 	m_stages.releasePredictiveContacts();
 	bodies.dropPredictiveContacts();
 }
@@ -116,6 +117,7 @@ void WorldStep::remove( btCollisionObject* object )
 void WorldStep::forgetObject( btCollisionObject& object )
 {
 	bodies.attachments.removeAllOf( object );
+	bodies.frames.forget( object, m_parts.world );
 	bodies.group.noteRemoval( object, m_parts.world.getNumCollisionObjects() );
 	m_outside.forget( object );
 	if ( btRigidBody* const body = btRigidBody::upcast( &object ) )

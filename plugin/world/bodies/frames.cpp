@@ -1,0 +1,597 @@
+#include "world/bodies/frames.h"
+
+#include "matching/rotation.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
+
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
+#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace pliant {
+
+namespace {
+
+Eigen::Matrix3d hat( const Vec3d& a )
+{
+	Eigen::Matrix3d m;
+	m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+	return m;
+}
+
+NodeState& nodesOf( SoftBody& body )
+{
+	return body.impl().body->nodes();
+}
+
+Vec3d positionOf( const SoftBody& body, int node )
+{
+	return body.impl().body->nodes().worldPosition( node );
+}
+
+/// Measures mass, centre and inertia of a patch at its nodes' present positions.
+void measure( Frame& frame )
+{
+	const NodeState& nodes = nodesOf( *frame.body );
+	frame.mass = 0.0;
+	Vec3d moment = Vec3d::Zero();
+	for ( const Frame::Node& part : frame.patch )
+	{
+		frame.mass += double( nodes.mass[part.node] );
+		moment += double( nodes.mass[part.node] ) * ( nodes.worldPosition( part.node ) - frame.at );
+	}
+	frame.mean = moment / frame.mass;
+	frame.inertia.setZero();
+	for ( const Frame::Node& part : frame.patch )
+	{
+		const Eigen::Matrix3d cross = hat( nodes.worldPosition( part.node ) - frame.at - frame.mean );
+		frame.inertia -= double( nodes.mass[part.node] ) * cross * cross;
+	}
+}
+
+/// Whether the nodes lie so far from a line that they define a rotation.
+bool spans( const Frame& frame )
+{
+	const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>( frame.inertia, Eigen::EigenvaluesOnly ).eigenvalues();
+	return moments[0] > kLeastFrameInertia * moments[2];
+}
+
+/// Adds nodes of the body to a patch: all within the frame's radius, and the nearest others until they define a rotation. Returns false if
+/// the body has too few.
+bool fillPatch( Frame& frame, bool takesAllInside )
+{
+	const int count = frame.body->nodeCount();
+	const Vec3d middle = frame.at + frame.rotation * frame.middle;
+	std::vector<std::pair<double, int>> near;
+	for ( int node = 0; node < count; ++node )
+	{
+		near.emplace_back( ( positionOf( *frame.body, node ) - middle ).norm(), node );
+	}
+	std::sort( near.begin(), near.end() );
+	const auto has = [&frame]( int node ) {
+		return std::any_of( frame.patch.begin(), frame.patch.end(), [node]( const Frame::Node& part ) { return part.node == node; } );
+	};
+	const auto isEnough = [&frame] {
+		if ( frame.patch.size() < 3 )
+		{
+			return false;
+		}
+		measure( frame );
+		return spans( frame );
+	};
+	for ( const auto& [distance, node] : near )
+	{
+		if ( !( takesAllInside && distance <= frame.radius ) && isEnough() )
+		{
+			return true;
+		}
+		if ( !has( node ) )
+		{
+			const Vec3d rest = frame.rotation.conjugate() * ( positionOf( *frame.body, node ) - frame.at );
+			frame.patch.push_back( Frame::Node{ node, rest } );
+		}
+	}
+	return isEnough();
+}
+
+/// A point and axes through which impulses and angular impulses move the frame with as little coupling as a rigid body's: those of the
+/// patch's mass, for a body that is so stiff in the implicit step that all of it follows, of the body's.
+struct Middle
+{
+	Vec3d at = Vec3d::Zero();
+	Eigen::Quaterniond axes = Eigen::Quaterniond::Identity();
+};
+
+Middle middleOf( const Frame& patch )
+{
+	const SoftBody& body = *patch.body;
+	const Material& material = body.material();
+	Frame whole;
+	whole.body = patch.body;
+	for ( int node = 0; node < body.nodeCount(); ++node )
+	{
+		whole.patch.push_back( Frame::Node{ node, Vec3d::Zero() } );
+	}
+	measure( whole );
+	double follows = 0.0; // how much of the body follows in a step
+	if ( material.elasticity != Elasticity::Explicit && body.impl().body->canStepImplicitly() )
+	{
+		// A step's impulse spreads over a length of h sqrt( E / rho ).
+		const double step = double( kNominalStep ), spread = step * step * double( material.youngsModulus / material.density );
+		follows = spread / ( spread + whole.inertia.trace() / whole.mass );
+	}
+	const Frame& nearer = follows > 0.5 ? whole : patch;
+	Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>( nearer.inertia ).eigenvectors();
+	axes.col( 2 ) = axes.col( 0 ).cross( axes.col( 1 ) );
+	return Middle{ patch.at + patch.mean + follows * ( whole.at + whole.mean - patch.at - patch.mean ), Eigen::Quaterniond( axes ) };
+}
+
+/// Makes the rigid body an ordinary one of the patch's mass: its soft body has gone.
+void release( Frame& frame, const btDiscreteDynamicsWorld& world )
+{
+	frame.body = nullptr;
+	frame.patch.clear();
+	frame.rigid->setFlags( 0 );
+	frame.rigid->setGravity( world.getGravity() );
+	const double size = std::max( frame.radius, 1e-3 );
+	const btScalar moment = btScalar( 0.4 * frame.mass * size * size );
+	frame.rigid->setMassProps( btScalar( frame.mass ), btVector3( moment, moment, moment ) );
+	frame.rigid->updateInertiaTensor();
+	frame.rigid->activate( true );
+}
+
+/// B: the velocity change of a node by an impulse and angular impulse about the frame's origin.
+Vec3d changeOf( const Frame& frame, const Eigen::Matrix3d& inverseInertia, const Vector6& impulse, const Vec3d& arm )
+{
+	const Vec3d turn = inverseInertia * ( impulse.tail<3>() - frame.mean.cross( impulse.head<3>() ) );
+	return impulse.head<3>() / frame.mass + turn.cross( arm - frame.mean );
+}
+
+/// The frame's velocity, B^T v, of a field v( node ).
+template <class Velocity>
+Vector6 velocityOf( const Frame& frame, const Eigen::Matrix3d& inverseInertia, const Velocity& velocity )
+{
+	const NodeState& nodes = frame.body->impl().body->nodes();
+	Vec3d momentum = Vec3d::Zero(), spin = Vec3d::Zero();
+	for ( const Frame::Node& part : frame.patch )
+	{
+		const Vec3d own = double( nodes.mass[part.node] ) * velocity( part.node );
+		momentum += own;
+		spin += ( nodes.worldPosition( part.node ) - frame.at - frame.mean ).cross( own );
+	}
+	Vector6 fit;
+	fit.tail<3>() = inverseInertia * spin;
+	fit.head<3>() = momentum / frame.mass - fit.tail<3>().cross( frame.mean );
+	return fit;
+}
+
+/// W of masses alone.
+Matrix6 freeMobility( const Frame& frame, const Eigen::Matrix3d& inverseInertia )
+{
+	Matrix6 mobility;
+	const Eigen::Matrix3d arm = hat( frame.mean );
+	mobility.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() / frame.mass - arm * inverseInertia * arm;
+	mobility.topRightCorner<3, 3>() = arm * inverseInertia;
+	mobility.bottomLeftCorner<3, 3>() = mobility.topRightCorner<3, 3>().transpose();
+	mobility.bottomRightCorner<3, 3>() = inverseInertia;
+	return mobility;
+}
+
+/// Solves for the response of an implicit body to unit impulses, from that of the last substep, and sets W.
+void respond( Frame& frame, const Eigen::Matrix3d& inverseInertia, TaskRunner* runner )
+{
+	Body& core = *frame.body->impl().body;
+	const NodeState& nodes = core.nodes();
+	const std::size_t padded = std::size_t( nodes.padded ), size = 3 * padded;
+	if ( frame.response.size() != 6 * size )
+	{
+		frame.response.assign( 6 * size, 0.0f );
+	}
+	AlignedArray<float> impulse, velocity( size );
+	for ( int k = 0; k < 6; ++k )
+	{
+		impulse.assign( size, 0.0f );
+		for ( const Frame::Node& part : frame.patch )
+		{
+			const Vec3d arm = nodes.worldPosition( part.node ) - frame.at;
+			const Vec3d own = double( nodes.mass[part.node] * nodes.freedom[part.node] ) *
+				changeOf( frame, inverseInertia, Vector6::Unit( k ), arm );
+			for ( std::size_t j = 0; j < 3; ++j )
+			{
+				impulse[j * padded + std::size_t( part.node )] = float( own[int( j )] );
+			}
+		}
+		const auto column = frame.response.begin() + std::ptrdiff_t( std::size_t( k ) * size );
+		for ( std::size_t i = 0; i < size; ++i )
+		{
+			velocity[i] = nodes.freedom[i % padded] * column[std::ptrdiff_t( i )];
+		}
+		core.respond( impulse.data(), velocity.data(), runner );
+		std::copy( velocity.begin(), velocity.end(), column );
+		frame.mobility.col( k ) = velocityOf( frame, inverseInertia, [&]( int node ) {
+			const std::size_t i = std::size_t( node );
+			return Vec3d( double( velocity[i] ), double( velocity[padded + i] ), double( velocity[2 * padded + i] ) );
+		} );
+	}
+	frame.mobility = ( 0.5 * ( frame.mobility + frame.mobility.transpose() ) ).eval();
+}
+
+/// Gives the rigid body the least mass and inertia with which no joint moves it less than the patch.
+void setMobility( Frame& frame, int framesOfBody )
+{
+	const Eigen::Matrix3d axes = frame.rotation.toRotationMatrix();
+	Matrix6 own = Matrix6::Zero();
+	own.topLeftCorner<3, 3>() = axes;
+	own.bottomRightCorner<3, 3>() = axes;
+	const Matrix6 local = own.transpose() * frame.mobility * own;
+	Vector6 diagonal = local.diagonal().cwiseMax( kLeastFrameMobility );
+	diagonal.head<3>().setConstant( diagonal.head<3>().maxCoeff() );
+	const Vector6 scale = diagonal.cwiseSqrt().cwiseInverse();
+	const Matrix6 relative = scale.asDiagonal() * local * scale.asDiagonal();
+	const double largest = Eigen::SelfAdjointEigenSolver<Matrix6>( relative, Eigen::EigenvaluesOnly ).eigenvalues()[5];
+	const double excess = double( framesOfBody ) * std::max( 1.0, largest );
+	diagonal *= excess;
+	const bool isImplicit = frame.body && frame.body->impl().isImplicit;
+	frame.learning = isImplicit ? kFrameLearning / excess : excess < kMostLearntExcess ? 1.0 : 0.0;
+	frame.rigid->setMassProps( btScalar( 1.0 / diagonal[0] ), toBt( diagonal.tail<3>().cwiseInverse() ) );
+	frame.rigid->updateInertiaTensor();
+}
+
+btTransform transformOf( const Frame& frame )
+{
+	const Eigen::Quaterniond& q = frame.rotation;
+	return btTransform( btQuaternion( btScalar( q.x() ), btScalar( q.y() ), btScalar( q.z() ), btScalar( q.w() ) ), toBt( frame.at ) );
+}
+
+void setVelocity( btRigidBody& rigid, const Vector6& velocity )
+{
+	rigid.setLinearVelocity( toBt( velocity.head<3>() ) );
+	rigid.setAngularVelocity( toBt( velocity.tail<3>() ) );
+}
+
+Vector6 velocityOf( const btRigidBody& rigid )
+{
+	Vector6 velocity;
+	velocity << toVec3d( rigid.getLinearVelocity() ), toVec3d( rigid.getAngularVelocity() );
+	return velocity;
+}
+
+/// D^-1, as Bullet's solver has it.
+Vector6 impulseFor( const btRigidBody& rigid, const Vector6& change )
+{
+	Vector6 impulse;
+	impulse.head<3>() = change.head<3>() / double( rigid.getInvMass() );
+	impulse.tail<3>() = toMatrix3d( rigid.getInvInertiaTensorWorld() ).inverse() * change.tail<3>();
+	return impulse;
+}
+
+Vector6 velocityFor( const btRigidBody& rigid, const Vector6& impulse )
+{
+	Vector6 change;
+	change.head<3>() = impulse.head<3>() * double( rigid.getInvMass() );
+	change.tail<3>() = toMatrix3d( rigid.getInvInertiaTensorWorld() ) * impulse.tail<3>();
+	return change;
+}
+
+} // namespace
+
+Frame::Frame() = default;
+Frame::Frame( Frame&& ) noexcept = default;
+Frame& Frame::operator=( Frame&& ) noexcept = default;
+Frame::~Frame() = default;
+
+template <class F>
+void Frames::forFramesOf( const SoftBody& body, F&& visit )
+{
+	for ( Frame& frame : m_frames )
+	{
+		if ( frame.body == &body )
+		{
+			visit( frame );
+		}
+	}
+}
+
+const Frame* Frames::find( const btRigidBody& rigid ) const
+{
+	const auto found = std::find_if(
+		m_frames.begin(), m_frames.end(), [&rigid]( const Frame& frame ) { return frame.rigid.get() == &rigid; } );
+	return found == m_frames.end() ? nullptr : &*found;
+}
+
+btRigidBody* Frames::add( btDiscreteDynamicsWorld& world, SoftBody& body, const Vec3d& at, double radius )
+{
+	Frame frame;
+	frame.body = &body;
+	frame.radius = radius;
+	frame.at = at;
+	for ( int node = 0; node < body.nodeCount(); ++node )
+	{
+		if ( ( positionOf( body, node ) - at ).norm() <= radius )
+		{
+			frame.patch.push_back( Frame::Node{ node, Vec3d::Zero() } );
+		}
+	}
+	if ( frame.patch.size() < 3 )
+	{
+		return nullptr;
+	}
+	measure( frame );
+	if ( !spans( frame ) )
+	{
+		return nullptr;
+	}
+	const Middle middle = middleOf( frame );
+	frame.at = middle.at;
+	frame.rotation = middle.axes.normalized();
+	frame.middle = frame.rotation.conjugate() * ( at - frame.at );
+	for ( Frame::Node& part : frame.patch )
+	{
+		part.rest = frame.rotation.conjugate() * ( positionOf( body, part.node ) - frame.at );
+	}
+	measure( frame );
+	frame.shape = std::make_unique<btSphereShape>( btScalar( radius ) );
+	btRigidBody::btRigidBodyConstructionInfo info( btScalar( frame.mass ), nullptr, frame.shape.get(), btVector3( 1, 1, 1 ) );
+	info.m_startWorldTransform = transformOf( frame );
+	frame.rigid = std::make_unique<btRigidBody>( info );
+	frame.rigid->setFlags( BT_DISABLE_WORLD_GRAVITY );
+	frame.rigid->setCollisionFlags( frame.rigid->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE );
+	world.addRigidBody( frame.rigid.get(), 0, 0 ); // in no pair
+	frame.rigidIndex = frame.rigid->getWorldArrayIndex();
+	frame.mobility = freeMobility( frame, frame.inertia.inverse() );
+	setMobility( frame, 1 );
+	m_frames.push_back( std::move( frame ) );
+	return m_frames.back().rigid.get();
+}
+
+bool Frames::remove( btDiscreteDynamicsWorld& world, const btRigidBody& rigid )
+{
+	const Frame* const found = find( rigid );
+	if ( !found )
+	{
+		return false;
+	}
+	for ( int k = world.getNumConstraints(); k-- > 0; )
+	{
+		btTypedConstraint* const joint = world.getConstraint( k );
+		if ( &joint->getRigidBodyA() == &rigid || &joint->getRigidBodyB() == &rigid )
+		{
+			joint->getRigidBodyA().activate( true );
+			joint->getRigidBodyB().activate( true );
+			world.removeConstraint( joint );
+		}
+	}
+	if ( found->isInWorld )
+	{
+		world.removeRigidBody( found->rigid.get() );
+	}
+	m_frames.erase( m_frames.begin() + ( found - m_frames.data() ) );
+	return true;
+}
+
+void Frames::removeAll( btDiscreteDynamicsWorld& world )
+{
+	while ( !m_frames.empty() )
+	{
+		remove( world, *m_frames.back().rigid );
+	}
+}
+
+void Frames::forget( const btCollisionObject& object, const btDiscreteDynamicsWorld& world )
+{
+	for ( Frame& frame : m_frames )
+	{
+		if ( frame.rigid.get() == &object )
+		{
+			frame.isInWorld = false;
+			frame.body = nullptr;
+		}
+		else if ( frame.body && static_cast<const btCollisionObject*>( frame.body ) == &object )
+		{
+			release( frame, world );
+		}
+	}
+}
+
+// The rotation that fits the patch best; where its nodes leave it open, that of the last substep.
+void Frames::place( const SoftBody& body )
+{
+	forFramesOf( body, []( Frame& frame ) {
+		const NodeState& nodes = nodesOf( *frame.body );
+		double mass = 0.0;
+		Vec3d centre = Vec3d::Zero(), restCentre = Vec3d::Zero();
+		for ( const Frame::Node& part : frame.patch )
+		{
+			mass += double( nodes.mass[part.node] );
+			centre += double( nodes.mass[part.node] ) * nodes.worldPosition( part.node );
+			restCentre += double( nodes.mass[part.node] ) * part.rest;
+		}
+		centre /= mass;
+		restCentre /= mass;
+		Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+		for ( const Frame::Node& part : frame.patch )
+		{
+			spread += double( nodes.mass[part.node] ) * ( nodes.worldPosition( part.node ) - centre ) *
+				( part.rest - restCentre ).transpose();
+		}
+		frame.rotation = fitRotation( spread, frame.rotation ).normalized();
+		frame.at = centre - frame.rotation * restCentre;
+		measure( frame );
+		frame.rigid->setCenterOfMassTransform( transformOf( frame ) );
+	} );
+}
+
+void Frames::press( SoftBody& body, bool isOn )
+{
+	forFramesOf( body, [isOn]( Frame& frame ) {
+		NodeState& nodes = nodesOf( *frame.body );
+		if ( nodes.force.x.empty() )
+		{
+			nodes.force.resize( nodes.padded );
+		}
+		const Eigen::Matrix3d inverseInertia = frame.inertia.inverse();
+		for ( const Frame::Node& part : frame.patch )
+		{
+			const Vec3d change = changeOf( frame, inverseInertia, frame.force, nodes.worldPosition( part.node ) - frame.at );
+			const Vec3d own = ( isOn ? 1.0 : -1.0 ) * double( nodes.mass[part.node] ) * change;
+			nodes.force.set( part.node, nodes.force.get( part.node ) + own.cast<float>() );
+		}
+	} );
+}
+
+void Frames::before( SoftBody& body, double h, TaskRunner* runner )
+{
+	int count = 0;
+	forFramesOf( body, [&count]( const Frame& ) { ++count; } );
+	forFramesOf( body, [&]( Frame& frame ) {
+		const NodeState& nodes = nodesOf( *frame.body );
+		const Eigen::Matrix3d inverseInertia = frame.inertia.inverse();
+		if ( body.impl().isImplicit )
+		{
+			respond( frame, inverseInertia, runner );
+		}
+		else
+		{
+			frame.mobility = freeMobility( frame, inverseInertia );
+		}
+		// The masses of several frames of an explicit body are their own; an implicit body's frames move one another.
+		setMobility( frame, body.impl().isImplicit ? count : 1 );
+		frame.given = velocityOf( frame, inverseInertia, [&]( int node ) { return Vec3d( nodes.v.get( node ).cast<double>() ); } ) -
+			velocityFor( *frame.rigid, h * frame.force );
+		setVelocity( *frame.rigid, frame.given );
+		frame.given = velocityOf( *frame.rigid ); // in Bullet's precision
+		frame.isSolved = true;
+	} );
+}
+
+void Frames::hold( const SoftBody& body )
+{
+	forFramesOf( body, []( Frame& frame ) {
+		const NodeState& nodes = nodesOf( *frame.body );
+		frame.mobility.setZero();
+		setMobility( frame, 1 );
+		setVelocity( *frame.rigid, velocityOf( frame, frame.inertia.inverse(),
+			[&]( int node ) { return Vec3d( nodes.v.get( node ).cast<double>() ); } ) );
+	} );
+}
+
+namespace {
+
+/// Adds the response of an implicit body to an impulse and angular impulse on the frame. The iteration is truncated: a rigid motion of each
+/// connected part restores its momentum.
+void addResponse( Frame& frame, const Eigen::Matrix3d& inverseInertia, const Vector6& impulse )
+{
+	NodeState& nodes = nodesOf( *frame.body );
+	ImplicitMotion& motion = *frame.body->impl().body->implicit();
+	const std::size_t padded = std::size_t( nodes.padded );
+	const ConnectedParts& parts = motion.parts();
+	std::vector<Vector6> missing( std::size_t( parts.count() ), Vector6::Zero() );
+	const auto add = [&]( int node, const Vec3d& change ) {
+		const int part = parts.partOf( node );
+		const Vec3d own = double( nodes.mass[node] * nodes.freedom[node] ) * change;
+		missing[std::size_t( part )].head<3>() += own;
+		missing[std::size_t( part )].tail<3>() += ( nodes.x.get( node ).cast<double>() - motion.centre( part ) ).cross( own );
+	};
+	for ( const Frame::Node& part : frame.patch )
+	{
+		add( part.node, changeOf( frame, inverseInertia, impulse, nodes.worldPosition( part.node ) - frame.at ) );
+	}
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		Vec3d change = Vec3d::Zero();
+		for ( std::size_t k = 0; k < 6; ++k )
+		{
+			const float* const column = frame.response.data() + 3 * padded * k + std::size_t( i );
+			change += impulse[int( k )] * Vec3d( double( column[0] ), double( column[padded] ), double( column[2 * padded] ) );
+		}
+		add( i, -change );
+		nodes.v.set( i, nodes.v.get( i ) + change.cast<float>() );
+	}
+	for ( int part = 0; part < parts.count(); ++part )
+	{
+		if ( !motion.isHeld( part ) )
+		{
+			motion.addMotion( motion.rigidMass( part ).inverse() * missing[std::size_t( part )], part );
+		}
+	}
+}
+
+} // namespace
+
+void Frames::after( SoftBody& body, double h )
+{
+	forFramesOf( body, [&]( Frame& frame ) {
+		if ( !std::exchange( frame.isSolved, false ) )
+		{
+			return;
+		}
+		const Vector6 impulse = impulseFor( *frame.rigid, velocityOf( *frame.rigid ) - frame.given );
+		const Vector6 change = impulse - h * frame.force;
+		frame.force += frame.learning * ( impulse / h - frame.force );
+		const Eigen::Matrix3d inverseInertia = frame.inertia.inverse();
+		NodeState& nodes = nodesOf( body );
+		if ( body.impl().isImplicit )
+		{
+			addResponse( frame, inverseInertia, change );
+		}
+		for ( const Frame::Node& part : frame.patch )
+		{
+			const Vec3d own = changeOf( frame, inverseInertia, change, nodes.worldPosition( part.node ) - frame.at );
+			const float moves = body.impl().isImplicit ? 0.0f : nodes.freedom[part.node];
+			nodes.v.set( part.node, nodes.v.get( part.node ) + moves * own.cast<float>() );
+		}
+		setVelocity( *frame.rigid,
+			velocityOf( frame, inverseInertia, [&]( int node ) { return Vec3d( nodes.v.get( node ).cast<double>() ); } ) );
+	} );
+}
+
+void Frames::follow( const SoftBody& body, const btDiscreteDynamicsWorld& world )
+{
+	forFramesOf( body, [&world]( Frame& frame ) {
+		frame.patch.clear();
+		if ( !fillPatch( frame, true ) )
+		{
+			release( frame, world );
+		}
+	} );
+}
+
+void Frames::claim( const SoftBody& parent, SoftBody& piece, const std::vector<std::uint32_t>& nodeNow )
+{
+	forFramesOf( parent, [&]( Frame& frame ) {
+		std::vector<Frame::Node> patch;
+		for ( const Frame::Node& part : frame.patch )
+		{
+			const std::uint32_t now = nodeNow[std::size_t( part.node )];
+			if ( now != kNoNode )
+			{
+				patch.push_back( Frame::Node{ int( now ), part.rest } );
+			}
+		}
+		if ( patch.size() > frame.claimedPatch.size() )
+		{
+			frame.claimant = &piece;
+			frame.claimedPatch = std::move( patch );
+		}
+	} );
+}
+
+void Frames::settle( const SoftBody& parent, const btDiscreteDynamicsWorld& world )
+{
+	forFramesOf( parent, [&world]( Frame& frame ) {
+		frame.body = std::exchange( frame.claimant, nullptr );
+		frame.patch = std::exchange( frame.claimedPatch, {} );
+		if ( !frame.body || !fillPatch( frame, false ) )
+		{
+			release( frame, world );
+		}
+	} );
+}
+
+} // namespace pliant
