@@ -70,7 +70,6 @@ public:
 		order.material.youngsModulus = 1.2e4f;
 		order.material.density = 60.0f;
 		order.material.damping = 6.0f;
-		order.material.elasticity = pliant::Elasticity::Implicit;
 		order.friction = btScalar( 1 );
 		order.colour = kTerracotta;
 		m_ball = m_stage->addSoft( order );

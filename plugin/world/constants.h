@@ -252,8 +252,18 @@ inline constexpr double kLeastFrameInertia = 1e-3;
 inline constexpr double kLeastFrameMobility = 1e-6;
 
 /// Fraction of the difference by which the force that a frame of an implicit body expects of its joints follows theirs in a substep, for
-/// the exact mobility; divided by the excess of what Bullet sees. Learning faster than joints correct drives vibrations.
-inline constexpr double kFrameLearning = 0.5;
+/// the exact mobility; times the least fraction of it in what Bullet sees. Learning faster than joints correct drives vibrations.
+inline constexpr double kFrameLearning = 0.25;
+
+/// Down to this ratio of the mobilities along the axes a frame has one mass in all directions.
+inline constexpr double kIsotropicFrame = 0.5;
+
+/// Lower bound of that fraction.
+inline constexpr double kLeastFrameFraction = 0.1;
+
+/// Where the origin of a frame of a stiff implicit body is on the way from the patch to the body's centre of mass: impulses there turn it
+/// least, between the two where the patch gives way locally.
+inline constexpr double kFrameInward = 0.75;
 
 /// Up to this excess a frame of an explicit body learns at once: of joints that close a fraction e of their error a substep, 1 + 1 / e is
 /// the limit of stability, at Bullet's usual e = 0.2 six.

@@ -129,7 +129,7 @@ Middle middleOf( const Frame& patch )
 	const Frame& nearer = follows > 0.5 ? whole : patch;
 	Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>( nearer.inertia ).eigenvectors();
 	axes.col( 2 ) = axes.col( 0 ).cross( axes.col( 1 ) );
-	return Middle{ patch.at + patch.mean + follows * ( whole.at + whole.mean - patch.at - patch.mean ), Eigen::Quaterniond( axes ) };
+	return Middle{ patch.at + patch.mean + kFrameInward * follows * ( whole.at + whole.mean - patch.at - patch.mean ), Eigen::Quaterniond( axes ) };
 }
 
 /// Makes the rigid body an ordinary one of the patch's mass: its soft body has gone.
@@ -138,6 +138,7 @@ void release( Frame& frame, const btDiscreteDynamicsWorld& world )
 	frame.body = nullptr;
 	frame.patch.clear();
 	frame.rigid->setFlags( 0 );
+	frame.rigid->setLinearFactor( btVector3( 1, 1, 1 ) );
 	frame.rigid->setGravity( world.getGravity() );
 	const double size = std::max( frame.radius, 1e-3 );
 	const btScalar moment = btScalar( 0.4 * frame.mass * size * size );
@@ -222,24 +223,29 @@ void respond( Frame& frame, const Eigen::Matrix3d& inverseInertia, TaskRunner* r
 	frame.mobility = ( 0.5 * ( frame.mobility + frame.mobility.transpose() ) ).eval();
 }
 
-/// Gives the rigid body the least mass and inertia with which no joint moves it less than the patch.
+/// Gives the rigid body the least mass and inertia with which no joint moves it less than the patch. Its mass may differ along the world's
+/// axes, by its linear factor, and its inertia about its own.
 void setMobility( Frame& frame, int framesOfBody )
 {
-	const Eigen::Matrix3d axes = frame.rotation.toRotationMatrix();
-	Matrix6 own = Matrix6::Zero();
-	own.topLeftCorner<3, 3>() = axes;
-	own.bottomRightCorner<3, 3>() = axes;
+	Matrix6 own = Matrix6::Identity();
+	own.bottomRightCorner<3, 3>() = frame.rotation.toRotationMatrix();
 	const Matrix6 local = own.transpose() * frame.mobility * own;
 	Vector6 diagonal = local.diagonal().cwiseMax( kLeastFrameMobility );
-	diagonal.head<3>().setConstant( diagonal.head<3>().maxCoeff() );
+	if ( diagonal.head<3>().minCoeff() > kIsotropicFrame * diagonal.head<3>().maxCoeff() )
+	{
+		diagonal.head<3>().setConstant( diagonal.head<3>().maxCoeff() ); // with a linear factor Bullet's feedback would be less by it
+	}
 	const Vector6 scale = diagonal.cwiseSqrt().cwiseInverse();
 	const Matrix6 relative = scale.asDiagonal() * local * scale.asDiagonal();
-	const double largest = Eigen::SelfAdjointEigenSolver<Matrix6>( relative, Eigen::EigenvaluesOnly ).eigenvalues()[5];
-	const double excess = double( framesOfBody ) * std::max( 1.0, largest );
+	const Vector6 fractions = Eigen::SelfAdjointEigenSolver<Matrix6>( relative, Eigen::EigenvaluesOnly ).eigenvalues();
+	const double excess = double( framesOfBody ) * std::max( 1.0, fractions[5] );
 	diagonal *= excess;
 	const bool isImplicit = frame.body && frame.body->impl().isImplicit;
-	frame.learning = isImplicit ? kFrameLearning / excess : excess < kMostLearntExcess ? 1.0 : 0.0;
-	frame.rigid->setMassProps( btScalar( 1.0 / diagonal[0] ), toBt( diagonal.tail<3>().cwiseInverse() ) );
+	const double learning = kFrameLearning * std::max( fractions[0], kLeastFrameFraction ) / excess;
+	frame.learning = isImplicit ? learning : excess < kMostLearntExcess ? 1.0 : 0.0;
+	const double largest = diagonal.head<3>().maxCoeff();
+	frame.rigid->setMassProps( btScalar( 1.0 / largest ), toBt( diagonal.tail<3>().cwiseInverse() ) );
+	frame.rigid->setLinearFactor( toBt( ( diagonal.head<3>() / largest ).cwiseSqrt() ) ); // which Bullet's solver applies twice
 	frame.rigid->updateInertiaTensor();
 }
 
@@ -262,11 +268,18 @@ Vector6 velocityOf( const btRigidBody& rigid )
 	return velocity;
 }
 
-/// D^-1, as Bullet's solver has it.
+/// 1/kg along the world's axes, as Bullet's solver has it.
+Vec3d linearMobility( const btRigidBody& rigid )
+{
+	const Vec3d factor = toVec3d( rigid.getLinearFactor() );
+	return double( rigid.getInvMass() ) * factor.cwiseProduct( factor );
+}
+
+/// D^-1.
 Vector6 impulseFor( const btRigidBody& rigid, const Vector6& change )
 {
 	Vector6 impulse;
-	impulse.head<3>() = change.head<3>() / double( rigid.getInvMass() );
+	impulse.head<3>() = change.head<3>().cwiseQuotient( linearMobility( rigid ) );
 	impulse.tail<3>() = toMatrix3d( rigid.getInvInertiaTensorWorld() ).inverse() * change.tail<3>();
 	return impulse;
 }
@@ -274,7 +287,7 @@ Vector6 impulseFor( const btRigidBody& rigid, const Vector6& change )
 Vector6 velocityFor( const btRigidBody& rigid, const Vector6& impulse )
 {
 	Vector6 change;
-	change.head<3>() = impulse.head<3>() * double( rigid.getInvMass() );
+	change.head<3>() = impulse.head<3>().cwiseProduct( linearMobility( rigid ) );
 	change.tail<3>() = toMatrix3d( rigid.getInvInertiaTensorWorld() ) * impulse.tail<3>();
 	return change;
 }
@@ -341,8 +354,7 @@ btRigidBody* Frames::add( btDiscreteDynamicsWorld& world, SoftBody& body, const 
 	info.m_startWorldTransform = transformOf( frame );
 	frame.rigid = std::make_unique<btRigidBody>( info );
 	frame.rigid->setFlags( BT_DISABLE_WORLD_GRAVITY );
-	frame.rigid->setCollisionFlags( frame.rigid->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE );
-	world.addRigidBody( frame.rigid.get(), 0, 0 ); // in no pair
+	world.addRigidBody( frame.rigid.get(), 0, 0 ); // in no pair; without contact response it would be in no island
 	frame.rigidIndex = frame.rigid->getWorldArrayIndex();
 	frame.mobility = freeMobility( frame, frame.inertia.inverse() );
 	setMobility( frame, 1 );

@@ -44,9 +44,9 @@ void PoseFollower::gather( const Body& body, double reached )
 void PoseFollower::pull( Body& body, double h, int number, int count, const Vec3& gravity )
 {
 	NodePull& pull = body.pull();
-	time += h;
 	if ( !hasPose || blend == 0.0 )
 	{
+		time += h;
 		pull.clear();
 		return;
 	}
@@ -84,12 +84,13 @@ void PoseFollower::pull( Body& body, double h, int number, int count, const Vec3
 	}
 }
 
-void PoseFollower::sum( const Body& body )
+void PoseFollower::sum( const Body& body, double h )
 {
 	Vec3d linear, angular;
 	body.pullImpulse( linear, angular );
 	impulse += linear;
 	angularImpulse += angular;
+	time += h;
 }
 
 void PoseFollower::endStep( const Vec3d& massCentre )

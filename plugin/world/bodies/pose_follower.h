@@ -51,7 +51,7 @@ public:
 	/// the body, m/s^2.
 	void pull( Body& body, double h, int number, int count, const Vec3& gravity );
 	/// Adds what the nodes got in a substep, with their present velocities.
-	void sum( const Body& body );
+	void sum( const Body& body, double h );
 	/// At the end of a game step: its targets are reached.
 	void endStep( const Vec3d& massCentre );
 

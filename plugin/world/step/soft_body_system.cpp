@@ -201,7 +201,7 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 			if ( !body.impl().isImplicit )
 			{
 				body.impl().body->applyForces( float( h ), ownAcceleration( body ), within );
-				drawToPose( body );
+				drawToPose( body, h );
 			}
 		} );
 	}
@@ -296,7 +296,7 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 		settlePins( body, h, substep );
 		if ( impl.follower && impl.isImplicit )
 		{
-			impl.follower->sum( *impl.body ); // of the velocities of its solution
+			impl.follower->sum( *impl.body, double( h ) ); // of the velocities of its solution
 		}
 		impl.isBroken = impl.body->integrate( float( h ), within ) == BodyHealth::Quarantined;
 		impl.placeSpheres( body, impl.body->motion(), within );
@@ -329,13 +329,13 @@ void SoftBodySystem::freshenShapes()
 	runTasks( oneTaskEach ? tasks() : nullptr, int( m_staleShapes.size() ), freshen );
 }
 
-void SoftBodySystem::drawToPose( SoftBody& body )
+void SoftBodySystem::drawToPose( SoftBody& body, btScalar h )
 {
 	SoftBody::Impl& impl = body.impl();
 	if ( impl.follower && impl.body->pull().isOn() )
 	{
 		impl.body->applyPull();
-		impl.follower->sum( *impl.body );
+		impl.follower->sum( *impl.body, double( h ) );
 	}
 }
 

@@ -171,7 +171,7 @@ private:
 	void removeLost();
 	void noteSleepers();
 	void wakeRestingOnWoken();
-	void drawToPose( SoftBody& body ); ///< of an explicit body, after its forces
+	void drawToPose( SoftBody& body, btScalar h ); ///< of an explicit body, after its forces
 	void placeFrames();
 	void pressFrames( bool isOn );
 	void drivePins( SoftBody& body, btScalar h, int substep );

@@ -84,10 +84,7 @@ public:
 	std::vector<std::unique_ptr<btMultiBodyJointMotor>> motors;
 };
 
-class Gripping : public testing::TestWithParam<Elasticity>
-{};
-
-TEST_P( Gripping, AnArmLiftsASoftBall )
+TEST( Gripping, AnArmLiftsASoftBall )
 {
 	btDefaultCollisionConfiguration configuration;
 	btCollisionDispatcher dispatcher( &configuration );
@@ -100,7 +97,6 @@ TEST_P( Gripping, AnArmLiftsASoftBall )
 	Gripper gripper( world );
 
 	Material material = test::stiff( 3e4f );
-	material.elasticity = GetParam();
 	material.density = 50.0f;
 	material.damping = 5.0f;
 	LatticeSettings settings;
@@ -135,13 +131,10 @@ TEST_P( Gripping, AnArmLiftsASoftBall )
 	EXPECT_LT( ball.linearVelocity().length(), 0.02 );
 	gripper.move( 0, btScalar( -0.2 ) );
 	run( 90 );
-	EXPECT_NEAR( ball.massCentre().y(), low, 0.05 ); // it has let go
+	EXPECT_LT( ball.massCentre().y(), high - btScalar( 0.1 ) ); // it has let go
 	EXPECT_TRUE( ball.isHealthy() );
 	world.removeRigidBody( &ground );
 }
-
-INSTANTIATE_TEST_SUITE_P( Steps, Gripping, testing::Values( Elasticity::Explicit, Elasticity::Implicit ),
-	[]( const auto& step ) { return std::string( step.param == Elasticity::Implicit ? "Implicit" : "Explicit" ); } );
 
 } // namespace
 } // namespace pliant
