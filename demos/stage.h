@@ -161,8 +161,8 @@ private:
 	std::uint64_t m_nextId = 0;
 	std::vector<std::unique_ptr<btTypedConstraint>> m_constraints;
 	std::unique_ptr<btDiscreteDynamicsWorld> m_world;
-	pliant::SoftBodyHost* m_host = nullptr;           ///< the same world
-	pliant::SoftBodyWorld* m_plain = nullptr;         ///< the same, where it is of this class
+	pliant::SoftBodyHost* m_host = nullptr;            ///< the same world
+	pliant::SoftBodyWorld* m_plain = nullptr;          ///< the same, where it is of this class
 	btMultiBodyDynamicsWorld* m_multiBodies = nullptr; ///< the same, where it is of this class
 };
 

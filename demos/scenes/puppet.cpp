@@ -73,7 +73,8 @@ pliant_glue::ModelMesh makeFigure()
 {
 	const auto field = []( const Point& p ) {
 		float inside = rod( p, kBones[0].joint, kBones[0].end, 0.165f, 0.15f );
-		inside = join( inside, ellipsoid( p, kBelly, { Point{ 1, 0, 0 }, Point{ 0, 1, 0 }, Point{ 0, 0, 1 } }, { 0.19f, 0.17f, 0.16f } ), 0.06f );
+		inside = join(
+			inside, ellipsoid( p, kBelly, { Point{ 1, 0, 0 }, Point{ 0, 1, 0 }, Point{ 0, 0, 1 } }, { 0.19f, 0.17f, 0.16f } ), 0.06f );
 		for ( std::size_t k = 1; k < kBones.size(); ++k )
 		{
 			const Bone& bone = kBones[k];
@@ -83,8 +84,10 @@ pliant_glue::ModelMesh makeFigure()
 		for ( const float side : { -1.0f, 1.0f } )
 		{
 			inside = join( inside, rod( p, { side * 0.16f, 0.06f, -0.02f }, { side * 0.17f, 0.055f, 0.14f }, 0.06f, 0.055f ), 0.03f );
-			inside = join( inside, ellipsoid( p, { side * 0.08f, 1.55f, 0.11f }, { Point{ 1, 0, 0 }, Point{ 0, 1, 0 }, Point{ 0, 0, 1 } },
-											   { 0.07f, 0.06f, 0.06f } ), 0.02f );
+			inside = join( inside,
+				ellipsoid(
+					p, { side * 0.08f, 1.55f, 0.11f }, { Point{ 1, 0, 0 }, Point{ 0, 1, 0 }, Point{ 0, 0, 1 } }, { 0.07f, 0.06f, 0.06f } ),
+				0.02f );
 		}
 		return inside;
 	};
@@ -117,10 +120,7 @@ struct Weights
 			}
 		}
 	}
-	pliant::SkinWeights view( int vertexCount ) const
-	{
-		return { bones.data(), weights.data(), 4, vertexCount, int( kBones.size() ) };
-	}
+	pliant::SkinWeights view( int vertexCount ) const { return { bones.data(), weights.data(), 4, vertexCount, int( kBones.size() ) }; }
 };
 
 pliant::PosePaint paint( const float* point, void* )

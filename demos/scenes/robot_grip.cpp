@@ -20,17 +20,17 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr btScalar kBall = btScalar( 0.32 );                                  // m, its diameter
-constexpr btScalar kReach = btScalar( 0.8 ), kHeight = btScalar( 1.0 );       // m, of the boom's end
-constexpr btScalar kHub = btScalar( 0.13 );                                   // m, from the boom's end to a finger's joint
+constexpr btScalar kBall = btScalar( 0.32 );                                   // m, its diameter
+constexpr btScalar kReach = btScalar( 0.8 ), kHeight = btScalar( 1.0 );        // m, of the boom's end
+constexpr btScalar kHub = btScalar( 0.13 );                                    // m, from the boom's end to a finger's joint
 constexpr btScalar kFingerLength = btScalar( 0.42 ), kDrop = btScalar( 0.58 ); // m; how far the boom goes down
-constexpr btScalar kOpen = btScalar( 0.45 );                                  // rad
+constexpr btScalar kOpen = btScalar( 0.45 );                                   // rad
 constexpr btScalar kPi = btScalar( 3.14159265 );
 
 /// What the joints are to do, until when.
 struct Order
 {
-	double until;           ///< s
+	double until;          ///< s
 	btScalar turn, height; ///< rad; m, of the boom
 	bool isClosed;
 };
@@ -39,10 +39,10 @@ constexpr Order kOrders[] = {
 	{ 1.2, 0, -kDrop, false },
 	{ 2.2, 0, -kDrop, true },
 	{ 3.8, 0, 0, true },
-	{ 5.8, kPi * btScalar( 0.55 ), 0, true },
-	{ 7.2, kPi * btScalar( 0.55 ), -kDrop, true },
-	{ 8.0, kPi * btScalar( 0.55 ), -kDrop, false },
-	{ 9.5, kPi * btScalar( 0.55 ), 0, false },
+	{ 5.8, kPi* btScalar( 0.55 ), 0, true },
+	{ 7.2, kPi* btScalar( 0.55 ), -kDrop, true },
+	{ 8.0, kPi* btScalar( 0.55 ), -kDrop, false },
+	{ 9.5, kPi* btScalar( 0.55 ), 0, false },
 };
 
 enum Link
@@ -129,8 +129,7 @@ public:
 				return pliant_glue::Vec3{ float( axis.x() ), float( axis.y() ), float( axis.z() ) };
 			};
 			const btVector3& p = at.getOrigin();
-			list.boxes.push_back(
-				{ scaled( 0 ), scaled( 1 ), scaled( 2 ), { float( p.x() ), float( p.y() ), float( p.z() ) }, colour } );
+			list.boxes.push_back( { scaled( 0 ), scaled( 1 ), scaled( 2 ), { float( p.x() ), float( p.y() ), float( p.z() ) }, colour } );
 		};
 		for ( const Part& part : m_parts )
 		{
@@ -174,16 +173,16 @@ private:
 			finger( btScalar( 0.035 ), kFingerLength, btScalar( 0.09 ) );
 		m_arm = std::make_unique<btMultiBody>( Links, 0, none, true, false );
 		m_arm->setupRevolute( Column, 10, inertia( 10, column ), -1, unturned, up, none, btVector3( 0, column.y() / 2, 0 ), true );
-		m_arm->setupPrismatic( Boom, 4, inertia( 4, boom ), Column, unturned, up,
-			btVector3( kReach / 2, kHeight - column.y() / 2, 0 ), none, true );
+		m_arm->setupPrismatic(
+			Boom, 4, inertia( 4, boom ), Column, unturned, up, btVector3( kReach / 2, kHeight - column.y() / 2, 0 ), none, true );
 		for ( int k = 0; k < 3; ++k )
 		{
 			// Of a finger's own axes x points away from the hub's middle, and it turns about its z: outwards above 0.
 			const btScalar around = 2 * kPi * btScalar( k ) / 3 + kPi / 3;
 			const btQuaternion fromBoom( up, -around ), toBoom( up, around );
 			const btVector3 joint = btVector3( kReach / 2, btScalar( -0.02 ), 0 ) + quatRotate( toBoom, btVector3( kHub, 0, 0 ) );
-			m_arm->setupRevolute( FirstFinger + k, btScalar( 0.8 ), inertia( btScalar( 0.8 ), finger ), Boom, fromBoom, btVector3( 0, 0, 1 ), joint,
-				btVector3( 0, -kFingerLength / 2, 0 ), true );
+			m_arm->setupRevolute( FirstFinger + k, btScalar( 0.8 ), inertia( btScalar( 0.8 ), finger ), Boom, fromBoom,
+				btVector3( 0, 0, 1 ), joint, btVector3( 0, -kFingerLength / 2, 0 ), true );
 		}
 		m_arm->finalizeMultiDof();
 		m_arm->setCanSleep( false );

@@ -15,8 +15,9 @@ namespace {
 Status checkSettings( const char* call, const PoseSettings& settings )
 {
 	const bool isSound = settings.frequency > 0.0f && settings.dampingRatio >= 0.0f && settings.dampingRatio <= kMostPoseDamping;
-	return isSound ? Status{}
-				   : Status{ ResultCode::BadSettings, std::string( call ) + ": the frequency must be above 0 and the damping ratio 0 to 10." };
+	return isSound
+		? Status{}
+		: Status{ ResultCode::BadSettings, std::string( call ) + ": the frequency must be above 0 and the damping ratio 0 to 10." };
 }
 
 /// Fills what does not depend on bones.
@@ -29,8 +30,8 @@ Status paint( const char* call, const Lattice& lattice, const PoseSettings& sett
 		const PosePaint painted = settings.paint ? settings.paint( point.data(), settings.context ) : PosePaint{};
 		if ( !( painted.strength >= 0.0f && painted.strength <= 1.0f && painted.largestDistance > 0.0f ) )
 		{
-			return Status{ ResultCode::BadSettings,
-				std::string( call ) + ": paint must return a strength of 0 to 1 and a largest distance above 0." };
+			return Status{
+				ResultCode::BadSettings, std::string( call ) + ": paint must return a strength of 0 to 1 and a largest distance above 0." };
 		}
 		model.rest.push_back( at );
 		model.strength.push_back( painted.strength );
@@ -111,8 +112,8 @@ Status followBones( SoftBody& body, const SkinWeights& weights, const PoseSettin
 	{
 		return refused( "followBones", "the body's template has no skin (LatticeSettings::skinning)." );
 	}
-	if ( !weights.bones || !weights.weights || weights.perVertex < 1 || weights.perVertex > PoseModel::kMostBones || weights.boneCount < 1 ||
-		weights.vertexCount != shape.vertexCount() )
+	if ( !weights.bones || !weights.weights || weights.perVertex < 1 || weights.perVertex > PoseModel::kMostBones ||
+		weights.boneCount < 1 || weights.vertexCount != shape.vertexCount() )
 	{
 		return refused( "followBones", "it needs bones and weights, 1 to 4 a vertex, for as many vertices as the template has." );
 	}
@@ -125,7 +126,8 @@ Status followBones( SoftBody& body, const SkinWeights& weights, const PoseSettin
 		return status;
 	}
 	model.boneCount = weights.boneCount;
-	model.weights = weightsOfCells( shape.lattice(), weights.boneCount, int( skin.start.size() ) - 1, skin.start, skin.node, skin.weight, vertices );
+	model.weights = weightsOfCells(
+		shape.lattice(), weights.boneCount, int( skin.start.size() ) - 1, skin.start, skin.node, skin.weight, vertices );
 	follow( body, std::move( model ) );
 	return {};
 }

@@ -7,9 +7,9 @@
 //   W = B^T A^-1 B the mobility: the velocity that unit impulses and angular impulses on the frame give it within the substep, with A the
 //   masses of an explicit body, and the matrix of an implicit one, whose elasticity lets the whole body follow
 //
-// A rigid body of Bullet's has a mobility D without coupling and with the frame's axes as main axes; D = s diag( W ), s the least factor for
-// which D - W is positive, so that no joint overshoots. What D is too large is made up for by the force of the last substeps: like gravity
-// it acts on the patch before the solver, and the frame's velocity that Bullet gets is without it. docs/design/attachments.md.
+// A rigid body of Bullet's has a mobility D without coupling and with the frame's axes as main axes; D = s diag( W ), s the least factor
+// for which D - W is positive, so that no joint overshoots. What D is too large is made up for by the force of the last substeps: like
+// gravity it acts on the patch before the solver, and the frame's velocity that Bullet gets is without it. docs/design/attachments.md.
 
 #include "body/implicit_motion.h"
 #include "lattice/lattice.h"
@@ -46,21 +46,21 @@ struct Frame
 	std::unique_ptr<btRigidBody> rigid;
 	int rigidIndex = -1; ///< last known index in the world's list of objects
 	bool isInWorld = true;
-	double radius = 0.0;           ///< of the patch, m
+	double radius = 0.0;          ///< of the patch, m
 	Vec3d middle = Vec3d::Zero(); ///< of the patch, in the frame, m
 	std::vector<Node> patch;
 
 	Vec3d at = Vec3d::Zero(); ///< the frame's origin, world, m: Bullet's is rounded
 	Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-	Vec3d mean = Vec3d::Zero();                          ///< from the origin to the patch's centre of mass, world, m
-	double mass = 0.0;                                   ///< of the patch, kg
-	Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();   ///< of the patch about its centre of mass, kg m^2
-	Vector6 force = Vector6::Zero();                     ///< learnt: of joints on the patch about the origin, N and N m
-	std::vector<float> response;                         ///< A^-1 B, six vectors, of an implicit body
-	Matrix6 mobility = Matrix6::Zero();                  ///< W
-	double learning = 0.0; ///< fraction of the difference by which the learnt force follows the joints' in a substep
-	Vector6 given = Vector6::Zero();                     ///< the velocity that Bullet's solver got
-	bool isSolved = false;                               ///< Bullet's solver has it in this pass
+	Vec3d mean = Vec3d::Zero();                        ///< from the origin to the patch's centre of mass, world, m
+	double mass = 0.0;                                 ///< of the patch, kg
+	Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero(); ///< of the patch about its centre of mass, kg m^2
+	Vector6 force = Vector6::Zero();                   ///< learnt: of joints on the patch about the origin, N and N m
+	std::vector<float> response;                       ///< A^-1 B, six vectors, of an implicit body
+	Matrix6 mobility = Matrix6::Zero();                ///< W
+	double learning = 0.0;           ///< fraction of the difference by which the learnt force follows the joints' in a substep
+	Vector6 given = Vector6::Zero(); ///< the velocity that Bullet's solver got
+	bool isSolved = false;           ///< Bullet's solver has it in this pass
 
 	// The piece that gets the frame while its body breaks.
 	SoftBody* claimant = nullptr;
@@ -98,7 +98,16 @@ public:
 
 private:
 	template <class F>
-	void forFramesOf( const SoftBody& body, F&& visit );
+	void forFramesOf( const SoftBody& body, F&& visit )
+	{
+		for ( Frame& frame : m_frames )
+		{
+			if ( frame.body == &body )
+			{
+				visit( frame );
+			}
+		}
+	}
 
 	std::vector<Frame> m_frames; ///< in the order in which they were made
 };

@@ -66,7 +66,8 @@ void PoseFollower::pull( Body& body, double h, int number, int count, const Vec3
 		Vec3d velocity = away / h;
 		if ( std::isfinite( model->frequency ) )
 		{
-			const double rate = h * model->frequency * std::sqrt( stiffness ), spring = rate * rate, damper = 2.0 * model->dampingRatio * rate;
+			const double rate = h * model->frequency * std::sqrt( stiffness ), spring = rate * rate,
+						 damper = 2.0 * model->dampingRatio * rate;
 			gain = std::min( spring + damper, kMostPoseGain );
 			velocity = ( spring * velocity + damper * speed ) / ( spring + damper );
 		}
@@ -115,9 +116,8 @@ namespace {
 PoseModel::Weights largestOf( std::vector<std::pair<int, double>>& all )
 {
 	const std::size_t kept = std::min( all.size(), std::size_t( PoseModel::kMostBones ) );
-	std::partial_sort( all.begin(), all.begin() + std::ptrdiff_t( kept ), all.end(), []( const auto& a, const auto& b ) {
-		return a.second != b.second ? a.second > b.second : a.first < b.first;
-	} );
+	std::partial_sort( all.begin(), all.begin() + std::ptrdiff_t( kept ), all.end(),
+		[]( const auto& a, const auto& b ) { return a.second != b.second ? a.second > b.second : a.first < b.first; } );
 	PoseModel::Weights weights;
 	double sum = 0.0;
 	for ( std::size_t k = 0; k < kept; ++k )

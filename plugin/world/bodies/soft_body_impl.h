@@ -9,13 +9,13 @@
 #include "surface/skin/rigid_skin.h"
 #include "surface/skin/skin_fade.h"
 #include "surface/skin/skinning.h"
+#include "world/bodies/pose_follower.h"
 #include "world/constants.h"
 #include "world/detect/node_contacts.h"
 #include "world/implicit/implicit_choice.h"
 #include "world/shape/contact_proxy.h"
 #include "world/shape/node_shape.h"
 #include "world/shape/penetration_allowance.h"
-#include "world/bodies/pose_follower.h"
 #include "world/touch/contact_surface.h"
 
 #include <cmath>

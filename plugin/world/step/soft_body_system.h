@@ -90,8 +90,8 @@ public:
 	void noteSolved() { implicitSolve().after(); }
 	void giveFrames( btScalar h ); ///< the velocities of their patches, before the solver
 	void readFrames( btScalar h ); ///< what joints have changed, to the patches' nodes
-	void readBack();             ///< the solver's results for touched nodes
-	void holdBack( btScalar h ); ///< keeps fast nodes from passing through static and kinematic objects
+	void readBack();               ///< the solver's results for touched nodes
+	void holdBack( btScalar h );   ///< keeps fast nodes from passing through static and kinematic objects
 	void integrate( btScalar h, int substep );
 	/// Updates the shapes for queries (rays, sweeps, contact tests) before the step has ended.
 	void freshenShapes();

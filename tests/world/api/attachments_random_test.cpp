@@ -48,7 +48,7 @@ public:
 			addFrame( *bar, btVector3( btScalar( 0.5 ), 3, z ) );
 			addFrame( *bar, btVector3( btScalar( -0.5 ), 3, z ) );
 		}
-		const Result<int> welded = test.world.weld( *test.soft[0], *test.soft[1], btScalar( 0.15 ) );
+		const Result<int> welded = test.world.weld( *test.soft[0], *test.soft[1], btScalar( 0.25 ) );
 		EXPECT_TRUE( welded.ok() );
 		EXPECT_GT( welded.value, 0 );
 	}

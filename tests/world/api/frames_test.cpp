@@ -45,8 +45,8 @@ btVector3 inFrame( const btRigidBody& frame, const btVector3& where )
 std::unique_ptr<btHingeConstraint> hinge( TestWorld& test, btRigidBody& a, btRigidBody* b, const btVector3& where )
 {
 	const btVector3 z( 0, 0, 1 ), inA = a.getWorldTransform().invXform( where ), zInA = a.getWorldTransform().getBasis().transpose() * z;
-	auto made = b ? std::make_unique<btHingeConstraint>( a, *b, inA, b->getWorldTransform().invXform( where ), zInA,
-						b->getWorldTransform().getBasis().transpose() * z )
+	auto made = b ? std::make_unique<btHingeConstraint>(
+						a, *b, inA, b->getWorldTransform().invXform( where ), zInA, b->getWorldTransform().getBasis().transpose() * z )
 				  : std::make_unique<btHingeConstraint>( a, inA, zInA );
 	test.world.addConstraint( made.get(), true );
 	return made;
@@ -72,7 +72,8 @@ TEST_P( Framed, JointsCarryACubeAndABoxBelow )
 	btRigidBody* const bottom = frameOf( test, *cube, btVector3( 0, btScalar( 3.8 ), 0 ), btScalar( 0.12 ) );
 	const btVector3 topPoint = inFrame( *top, btVector3( 0, btScalar( 4.2 ), 0 ) );
 	btPoint2PointConstraint hook( *top, topPoint );
-	btPoint2PointConstraint load( *bottom, *box, inFrame( *bottom, btVector3( 0, btScalar( 3.8 ), 0 ) ), btVector3( 0, btScalar( 0.2 ), 0 ) );
+	btPoint2PointConstraint load(
+		*bottom, *box, inFrame( *bottom, btVector3( 0, btScalar( 3.8 ), 0 ) ), btVector3( 0, btScalar( 0.2 ), 0 ) );
 	btJointFeedback hookFeedback, loadFeedback;
 	hook.setJointFeedback( &hookFeedback );
 	hook.enableFeedback( true );
@@ -102,7 +103,8 @@ TEST_P( Framed, JointsCarryACubeAndABoxBelow )
 	EXPECT_EQ( test.world.getNumConstraints(), 0 );
 }
 
-// Two links hang from hinges in the world, and a bar from the lower end of one to that of the other: it lifts the far one as the near one turns.
+// Two links hang from hinges in the world, and a bar from the lower end of one to that of the other: it lifts the far one as the near one
+// turns.
 struct Linkage
 {
 	std::unique_ptr<btHingeConstraint> drive, axle, near, far;
@@ -178,7 +180,7 @@ TEST_P( Framed, AMotorTurnsAWheel )
 	SoftBody* const wheel = addCube( test, btVector3( 0, 2, 0 ), GetParam() );
 	btRigidBody* const axle = frameOf( test, *wheel, btVector3( 0, 2, 0 ), btScalar( 0.1 ) );
 	const auto joint = hinge( test, *axle, nullptr, btVector3( 0, 2, 0 ) );
-	const btScalar torque = btScalar( 0.05 ), speed = 3; // N m, rad/s
+	const btScalar torque = btScalar( 0.05 ), speed = 3;           // N m, rad/s
 	const double inertia = 0.4 * 0.4 / 6.0 * ( 1.0 - 1.0 / 16.0 ); // kg m^2, of its nodes as points
 	joint->enableAngularMotor( true, -speed, torque * test::kFrame );
 	test.run( 30 );
@@ -290,8 +292,7 @@ TEST( Frames, GoWithThePieceThatHasThePatch )
 		TestWorld test;
 		Adaptivity settings;
 		settings.coarseLevels = coarseLevels;
-		SoftBody* const bar = test.addSoft(
-			block( 12, 4, 4, 0.1f ), at( 0, 3, 0 ), material( Elasticity::Explicit, 10.0f ), settings );
+		SoftBody* const bar = test.addSoft( block( 12, 4, 4, 0.1f ), at( 0, 3, 0 ), material( Elasticity::Explicit, 10.0f ), settings );
 		btRigidBody* const left = frameOf( test, *bar, btVector3( btScalar( -0.5 ), 3, 0 ), btScalar( 0.22 ) );
 		btRigidBody* const right = frameOf( test, *bar, btVector3( btScalar( 0.5 ), 3, 0 ), btScalar( 0.22 ) );
 		btPoint2PointConstraint hook( *left, btVector3( 0, 0, 0 ) );

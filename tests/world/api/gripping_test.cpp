@@ -32,8 +32,8 @@ public:
 		for ( int side = 0; side < 2; ++side )
 		{
 			const btScalar sign = side == 0 ? btScalar( -1 ) : btScalar( 1 );
-			arm.setupPrismatic( 1 + side, 1, inertia, 0, unturned, btVector3( -sign, 0, 0 ), btVector3( sign * kGap, btScalar( -0.85 ), 0 ),
-				none, true );
+			arm.setupPrismatic(
+				1 + side, 1, inertia, 0, unturned, btVector3( -sign, 0, 0 ), btVector3( sign * kGap, btScalar( -0.85 ), 0 ), none, true );
 		}
 		arm.finalizeMultiDof();
 		arm.setCanSleep( false );

@@ -82,8 +82,8 @@ SoftBody* addArm( TestWorld& test, const Material& material, const PoseSettings&
 /// The first bone moves as a whole, the second turns about z against it by `bend`, rad.
 void pose( SoftBody& body, const btVector3& root, btScalar bend, bool jumps = false )
 {
-	const btTransform bones[2] = { btTransform( btQuaternion::getIdentity(), root ),
-		btTransform( btQuaternion( btVector3( 0, 0, 1 ), bend ), root ) };
+	const btTransform bones[2] = {
+		btTransform( btQuaternion::getIdentity(), root ), btTransform( btQuaternion( btVector3( 0, 0, 1 ), bend ), root ) };
 	const Status status = setPose( body, bones, 2, jumps );
 	ASSERT_TRUE( status.ok() ) << status.sentence;
 }

@@ -71,8 +71,8 @@ PLIANT_API Status setTargets( SoftBody& body, const btVector3* positions, int co
 /// Where the pose last given has a cell of the template, world, m. Zero for an index out of range and a body without a pose.
 [[nodiscard]] PLIANT_API btVector3 poseTarget( const SoftBody& body, int cell );
 
-/// Sets how much of the pose acts: factor on the stiffness of all springs, [0, 1], default 1. At 0 the body is free. BadArgument for another
-/// number and for a body that follows nothing.
+/// Sets how much of the pose acts: factor on the stiffness of all springs, [0, 1], default 1. At 0 the body is free. BadArgument for
+/// another number and for a body that follows nothing.
 PLIANT_API Status setPoseBlend( SoftBody& body, btScalar blend );
 /// The blend last set; 0 for a body that follows nothing.
 [[nodiscard]] PLIANT_API btScalar poseBlend( const SoftBody& body );
