@@ -7,9 +7,9 @@
 //   W = B^T A^-1 B the mobility: the velocity that unit impulses and angular impulses on the frame give it within the substep, with A the
 //   masses of an explicit body, and the matrix of an implicit one, whose elasticity lets the whole body follow
 //
-// A rigid body of Bullet's has a mobility D without coupling and with the frame's axes as main axes; D = s diag( W ), s the least factor
-// for which D - W is positive, so that no joint overshoots. What D is too large is made up for by the force of the last substeps: like
-// gravity it acts on the patch before the solver, and the frame's velocity that Bullet gets is without it. docs/design/attachments.md.
+// A rigid body of Bullet's has a mobility D without coupling; D = s diag( W ), s the least factor for which D - W is positive, so that no
+// joint overshoots. What D is too large is made up for by the force of the last substeps: like gravity it acts on the patch before the
+// solver, and the frame's velocity that Bullet gets is without it. docs/design/attachments.md.
 
 #include "body/implicit_motion.h"
 #include "lattice/lattice.h"
