@@ -14,6 +14,8 @@
 #include <LinearMath/btTransform.h>
 #include <LinearMath/btVector3.h>
 
+#include <limits>
+
 namespace pliant {
 
 class SoftBody;
@@ -34,7 +36,7 @@ struct PosePaint
 	/// Factor on the stiffness of its spring, [0, 1]; 0: it does not follow.
 	float strength = 1.0f;
 	/// It goes no further from its target, m, above 0; default: any distance. Divided by the blend.
-	float largestDistance = SIMD_INFINITY;
+	float largestDistance = std::numeric_limits<float>::infinity();
 };
 
 /// Springs from a body's cells to their targets. They act within the solution of the step: any frequency is stable at any step.
