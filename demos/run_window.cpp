@@ -75,8 +75,8 @@ public:
 		m_knobs = knobs;
 		for ( Stage* stage : m_play.stages() )
 		{
-			stage->world().setGravity( btVector3( 0, btScalar( -knobs.gravity ), 0 ) );
-			stage->world().setSoftSubsteps( int( std::lround( knobs.substeps ) ) );
+			stage->host().bulletWorld().setGravity( btVector3( 0, btScalar( -knobs.gravity ), 0 ) );
+			stage->host().setSoftSubsteps( int( std::lround( knobs.substeps ) ) );
 		}
 		forEachBody( [&]( pliant::SoftBody& body ) {
 			pliant::Material material = m_materials[std::size_t( body.getUserIndex3() )];
@@ -95,9 +95,9 @@ private:
 	{
 		for ( Stage* stage : m_play.stages() )
 		{
-			for ( int i = 0; i < stage->world().softBodyCount(); ++i )
+			for ( int i = 0; i < stage->host().softBodyCount(); ++i )
 			{
-				visit( *stage->world().softBody( i ) );
+				visit( *stage->host().softBody( i ) );
 			}
 		}
 	}

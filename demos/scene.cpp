@@ -35,6 +35,8 @@ const std::vector<SceneEntry>& sceneList()
 		{ "plank", "A wooden plank is bent over an edge until it splinters along its grain.", makePlank },
 		{ "plastic_block", "A ball, an edge and a corner press into rubber, wax and clay; how deep, and how much is left.",
 			makePlasticBlock },
+		{ "puppet", "A fleshy figure follows the pose of ten bones, is let go as its own ragdoll, and is taken up again.", makePuppet },
+		{ "robot_grip", "A robot's arm, a multibody, grips a soft ball, lifts it, swings around and puts it down.", makeRobotGrip },
 		{ "slope", "Soft cubes and a rigid box slide down a slope, by friction and stiffness; their acceleration against theory.",
 			makeSlope },
 		{ "soft_stack", "Two, four and eight soft cubes on each other, and four with rigid boxes between.", makeSoftStack },

@@ -82,6 +82,8 @@ std::unique_ptr<Scene> makeHello();
 std::unique_ptr<Scene> makeLiverCut();
 std::unique_ptr<Scene> makePlank();
 std::unique_ptr<Scene> makePlasticBlock();
+std::unique_ptr<Scene> makePuppet();
+std::unique_ptr<Scene> makeRobotGrip();
 std::unique_ptr<Scene> makeSlope();
 std::unique_ptr<Scene> makeSoftStack();
 std::unique_ptr<Scene> makeSphereCrack();

@@ -6,8 +6,6 @@
 
 #include "third_party_glue/assimp_mesh.h"
 
-#include <pliant/contact_solver.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstring>
@@ -26,7 +24,7 @@ constexpr btScalar kRigidFriction = btScalar( 0.5 );
 using Clock = std::chrono::steady_clock;
 
 /// Contact points that no soft body has a part in; the step report counts the others.
-int rigidContacts( pliant::SoftBodyWorld& world )
+int rigidContacts( btDiscreteDynamicsWorld& world )
 {
 	int points = 0;
 	for ( int i = 0; i < world.getDispatcher()->getNumManifolds(); ++i )
@@ -61,38 +59,6 @@ private:
 };
 
 } // namespace
-
-Stage::Stage( const StageOptions& options, std::string name ) :
-	m_options( options ), m_name( std::move( name ) ), m_configuration( new btDefaultCollisionConfiguration ),
-	m_dispatcher( new btCollisionDispatcher( m_configuration.get() ) ), m_broadphase( new btDbvtBroadphase ),
-	m_solver( new pliant::ContactSolver ),
-	m_world( new pliant::SoftBodyWorld( m_dispatcher.get(), m_broadphase.get(), m_solver.get(), m_configuration.get() ) )
-{
-	m_world->setThreadCount( options.threads );
-	if ( options.softSubsteps > 0 )
-	{
-		m_world->setSoftSubsteps( options.softSubsteps );
-	}
-}
-
-Stage::~Stage()
-{
-	for ( const auto& constraint : m_constraints )
-	{
-		m_world->removeConstraint( constraint.get() );
-	}
-	for ( const SoftItem& item : m_soft )
-	{
-		if ( item.owned != nullptr )
-		{
-			m_world->removeSoftBody( item.body );
-		}
-	}
-	for ( const RigidItem& item : m_rigid )
-	{
-		m_world->removeRigidBody( item.body.get() );
-	}
-}
 
 btRigidBody* Stage::addRigid( std::unique_ptr<btCollisionShape> shape, const btTransform& place, btScalar mass, RigidItem looks )
 {
@@ -197,7 +163,7 @@ pliant::SoftBody* Stage::addSoft( const SoftOrder& order )
 	}
 	pliant::SoftBody* const added = body.value.get();
 	added->setFriction( order.friction );
-	m_world->addSoftBody( added );
+	m_host->addSoftBody( added );
 	m_soft.push_back( { std::move( body.value ), added, m_nextId++, order.colour, {}, order.insideColour } );
 	return added;
 }
@@ -218,13 +184,13 @@ void Stage::step( double seconds )
 	const double wallSeconds = secondsSince( begin );
 	m_isSkinned = false;
 	followFragments();
-	m_log.add( m_world->stepReport(), wallSeconds, rigidContacts( *m_world ) );
+	m_log.add( m_host->stepReport(), wallSeconds, rigidContacts( *m_world ) );
 }
 
 /// What broke off gets the colour of what it broke off from; what the world has taken out is forgotten.
 void Stage::followFragments()
 {
-	for ( const pliant::FractureEvent& event : m_world->fractureEvents() )
+	for ( const pliant::FractureEvent& event : m_host->fractureEvents() )
 	{
 		for ( pliant::SoftBody* fragment : event.fragments )
 		{
@@ -249,14 +215,14 @@ void Stage::followFragments()
 			m_soft.push_back( std::move( item ) );
 		}
 	}
-	if ( m_soft.size() == std::size_t( m_world->softBodyCount() ) )
+	if ( m_soft.size() == std::size_t( m_host->softBodyCount() ) )
 	{
 		return;
 	}
 	std::set<const pliant::SoftBody*> present;
-	for ( int i = 0; i < m_world->softBodyCount(); ++i )
+	for ( int i = 0; i < m_host->softBodyCount(); ++i )
 	{
-		present.insert( m_world->softBody( i ) );
+		present.insert( m_host->softBody( i ) );
 	}
 	std::erase_if( m_soft, [&]( const SoftItem& item ) { return item.owned == nullptr && present.count( item.body ) == 0; } );
 }

@@ -11,6 +11,8 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -54,16 +56,28 @@ struct StageCounts
 	int fragments = 0; ///< of the soft bodies: came off others
 };
 
+/// Which of Bullet's worlds a stage has.
+enum class StageWorld
+{
+	Plain,
+	MultiBodies
+};
+
 class Stage
 {
 public:
-	explicit Stage( const StageOptions& options, std::string name = {} );
+	explicit Stage( const StageOptions& options, std::string name = {}, StageWorld kind = StageWorld::Plain );
 	~Stage();
 	Stage( const Stage& ) = delete;
 	Stage& operator=( const Stage& ) = delete;
 
-	pliant::SoftBodyWorld& world() { return *m_world; }
-	const pliant::SoftBodyWorld& world() const { return *m_world; }
+	/// Of a plain stage.
+	pliant::SoftBodyWorld& world() { return *m_plain; }
+	const pliant::SoftBodyWorld& world() const { return *m_plain; }
+	/// Of a stage with multibodies.
+	btMultiBodyDynamicsWorld& multiBodyWorld() { return *m_multiBodies; }
+	/// What every stage's world has.
+	pliant::SoftBodyHost& host() { return *m_host; }
 	const StageOptions& options() const { return m_options; }
 	const std::string& name() const { return m_name; }
 	void setName( const std::string& name ) { m_name = name; }
@@ -156,7 +170,10 @@ private:
 	std::vector<SoftItem> m_soft;
 	std::uint64_t m_nextId = 0;
 	std::vector<std::unique_ptr<btTypedConstraint>> m_constraints;
-	std::unique_ptr<pliant::SoftBodyWorld> m_world;
+	std::unique_ptr<btDiscreteDynamicsWorld> m_world;
+	pliant::SoftBodyHost* m_host = nullptr;            ///< the same world
+	pliant::SoftBodyWorld* m_plain = nullptr;          ///< the same, where it is of this class
+	btMultiBodyDynamicsWorld* m_multiBodies = nullptr; ///< the same, where it is of this class
 };
 
 } // namespace pliant_demos

@@ -9,6 +9,7 @@
 #include "pliant/result.h"
 
 #include "body/levels/level_energy.h"
+#include "body/node_pull.h"
 #include "lattice/lattice.h"
 #include "matching/kernels/kernels.h"
 #include "matching/node_state.h"
@@ -210,6 +211,9 @@ public:
 	float largestRegionFraction() const;
 	/// Prepares `implicit()`; leaves the nodes with their velocities of free flight. `alpha` may have any size.
 	void pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner* runner );
+	/// Solves A x = `impulse` for the velocities that impulses on the nodes give within the substep of pushImplicitly, from the guess in
+	/// `velocity`; both of nodes().padded floats a component, zero at pinned nodes.
+	void respond( const float* impulse, float* velocity, TaskRunner* runner );
 	/// For a body with forces applied: it takes part in other bodies' system with its masses only.
 	ImplicitMotion& joinFreely();
 	/// Null before the first call of one of these two.
@@ -218,6 +222,13 @@ public:
 	const Vec3Array& velocityBefore() const { return m_velocityBefore; }
 	/// Completes pushImplicitly for a body without contacts; returns the number of products.
 	int solveAlone( TaskRunner* runner );
+
+	// Nodes that are drawn toward velocities (node_pull.h): set before the substep, of the present nodes.
+	NodePull& pull() { return m_pull; }
+	/// Of an explicit body, after applyForces. An implicit body's are part of its system.
+	void applyPull();
+	/// The impulse and angular impulse about the origin of the world that the nodes have got with their present velocities, N s and N m s.
+	void pullImpulse( Vec3d& linear, Vec3d& angular ) const;
 
 	/// x += h v   (Ohta et al. 2009, eq. 4); the origin follows when the body moves away from it. Checks every number: see BodyHealth.
 	BodyHealth integrate( float h, TaskRunner* runner = nullptr );
@@ -296,6 +307,7 @@ private:
 	void inheritNodes( const Body& from, const BodyPiece& piece );
 	void inheritBreaking( const Breaking& from, const BodyPiece& piece );
 	void reserveMotionScratch();
+	void includePulled();
 	void keepVelocities( TaskRunner* runner );
 	/// Nothing in it deforms: a single node, or a small piece of SmallPieces::Rigid.
 	bool isInelastic() const;
@@ -314,6 +326,7 @@ private:
 	std::unique_ptr<ImplicitMotion> m_implicit; ///< null until the first implicit substep
 	Vec3Array m_velocityBefore;                 ///< at the start of the substep
 	AlignedArray<float> m_pushed;
+	NodePull m_pull;
 	std::unique_ptr<Levels> m_levels;
 	LatticeMatcher* m_levelMatcher = nullptr; ///< m_matcher where there are levels
 	std::unique_ptr<Breaking> m_breaking;     ///< null: cannot break

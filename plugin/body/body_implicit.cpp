@@ -125,7 +125,22 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 	m_implicit->begin( static_cast<LatticeMatcher&>( *m_matcher ), m_nodes, m_pushed.data(),
 		ImplicitStep{ h, alpha, m_material.damping, m_material.numericalDamping, m_material.volumeKeeping,
 			regionSecondMoment( m_material ) * double( m_lattice->cellSize ) * double( m_lattice->cellSize ) },
-		runner );
+		m_pull, runner );
+	if ( m_pull.isOn() )
+	{
+		includePulled();
+	}
+}
+
+void Body::respond( const float* impulse, float* velocity, TaskRunner* runner )
+{
+	AloneSystem system( *m_implicit, runner );
+	// To a fraction of the response itself, and not of what a good guess leaves of it.
+	AlignedArray<float> approximate( static_cast<std::size_t>( system.size() ) );
+	system.precondition( impulse, approximate.data() );
+	const double whole = dot( impulse, approximate.data(), system.size() );
+	ConjugateGradients gradients;
+	gradients.solve( system, impulse, velocity, GradientLimits{ 0.0, kGradientFraction * whole, kMostGradients } );
 }
 
 ImplicitMotion& Body::joinFreely()

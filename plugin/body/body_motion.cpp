@@ -203,6 +203,42 @@ void Body::applyForces( float h, const Vec3& gravity, TaskRunner* runner )
 	}
 }
 
+void Body::applyPull()
+{
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const float gain = m_pull.gain[std::size_t( i )] * m_nodes.freedom[i];
+		m_nodes.v.set( i, ( m_nodes.v.get( i ) + gain * m_pull.velocity.get( i ) ) / ( 1.0f + gain ) );
+	}
+	includePulled();
+}
+
+/// Extends the velocity bounds to what draws the nodes.
+void Body::includePulled()
+{
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		for ( int k = 0; k < 3 && m_pull.gain[std::size_t( i )] > 0.0f; ++k )
+		{
+			const float u = m_pull.velocity.get( i )[k];
+			m_velocities.low[k] = std::min( m_velocities.low[k], u );
+			m_velocities.high[k] = std::max( m_velocities.high[k], u );
+		}
+	}
+}
+
+void Body::pullImpulse( Vec3d& linear, Vec3d& angular ) const
+{
+	linear = angular = Vec3d::Zero();
+	for ( int i = 0; m_pull.isOn() && i < m_nodes.count; ++i )
+	{
+		const double gain = double( m_nodes.mass[i] * m_nodes.freedom[i] * m_pull.gain[std::size_t( i )] );
+		const Vec3d impulse = gain * ( m_pull.velocity.get( i ) - m_nodes.v.get( i ) ).cast<double>();
+		linear += impulse;
+		angular += m_nodes.worldPosition( i ).cross( impulse );
+	}
+}
+
 // The new positions are written twice: here, and over the scratch copy. If all are finite, that copy becomes the last finite state,
 // otherwise the previous one is intact: 24 bytes per node and a second store ensure that a non-finite number never spreads.
 BodyHealth Body::integrate( float h, TaskRunner* runner )

@@ -26,7 +26,7 @@ void ImplicitMotion::measurePinned()
 	m_isHeld.assign( std::size_t( parts().count() ), 0 );
 	for ( int i = 0; i < m_nodes->count; ++i )
 	{
-		if ( m_nodes->freedom[i] == 0.0f )
+		if ( m_nodes->freedom[i] == 0.0f || gainOf( i ) > 0.0f )
 		{
 			m_hasHeldNodes = true;
 			m_isHeld[std::size_t( parts().partOf( i ) )] = 1;
@@ -52,9 +52,11 @@ void ImplicitMotion::raiseInertias( const Least& least, const Point& point )
 	}
 }
 
-void ImplicitMotion::begin( LatticeMatcher& matcher, NodeState& nodes, const float* pushed, const ImplicitStep& step, TaskRunner* runner )
+void ImplicitMotion::begin(
+	LatticeMatcher& matcher, NodeState& nodes, const float* pushed, const ImplicitStep& step, const NodePull& pull, TaskRunner* runner )
 {
 	m_nodes = &nodes;
+	m_pull = pull.isOn() ? &pull : nullptr;
 	m_rates.prepare( matcher, nodes, runner );
 	measurePinned();
 	// Nodes in one point cannot rotate, whatever the inertia.
@@ -85,11 +87,19 @@ void ImplicitMotion::begin( LatticeMatcher& matcher, NodeState& nodes, const flo
 	{
 		m_rightSide[k] += nodes.mass[k % padded] * nodes.freedom[k % padded] * pushed[k];
 	}
+	for ( int i = 0; m_pull && i < nodes.count; ++i )
+	{
+		for ( int k = 0; k < 3; ++k )
+		{
+			m_rightSide[k * padded + i] += nodes.mass[i] * nodes.freedom[i] * gainOf( i ) * m_pull->velocity.get( i )[k];
+		}
+	}
 }
 
 void ImplicitMotion::beginFree( NodeState& nodes, const ConnectedParts* parts )
 {
 	m_nodes = &nodes;
+	m_pull = nullptr; // an explicit body's nodes have been drawn already
 	m_stiffness = 0.0f;
 	m_rates.measureBody( nodes, parts );
 	measurePinned();
@@ -105,21 +115,28 @@ void ImplicitMotion::beginFree( NodeState& nodes, const ConnectedParts* parts )
 
 void ImplicitMotion::apply( const float* v, float* to, TaskRunner* runner )
 {
+	const int padded = m_nodes->padded;
 	if ( m_stiffness > 0.0f )
 	{
 		m_rates.resist( v, m_stiffness, to, runner );
-		return;
 	}
-	const int padded = m_nodes->padded;
-	for ( int k = 0; k < size(); ++k )
+	else
 	{
-		to[k] = m_nodes->mass[k % padded] * m_nodes->freedom[k % padded] * v[k];
+		for ( int k = 0; k < size(); ++k )
+		{
+			to[k] = m_nodes->mass[k % padded] * m_nodes->freedom[k % padded] * v[k];
+		}
+	}
+	for ( int k = 0; m_pull && k < size(); ++k )
+	{
+		to[k] += m_nodes->mass[k % padded] * m_nodes->freedom[k % padded] * m_pull->gain[std::size_t( k % padded )] * v[k];
 	}
 }
 
 float ImplicitMotion::diagonal( int node ) const
 {
-	return m_nodes->mass[node] * ( m_stiffness > 0.0f ? 1.0f + m_stiffness * m_rates.diagonal()[std::size_t( node )] : 1.0f );
+	const float own = m_nodes->mass[node] * ( m_stiffness > 0.0f ? 1.0f + m_stiffness * m_rates.diagonal()[std::size_t( node )] : 1.0f );
+	return m_pull ? own + m_nodes->mass[node] * gainOf( node ) : own;
 }
 
 Matrix6 ImplicitMotion::rigidMass( int part ) const
@@ -190,16 +207,19 @@ Matrix12 ImplicitMotion::affineMatrix( int part ) const
 	return matrix;
 }
 
-// Pinned nodes do not follow: their neighbours resist the relative motion as they would resist their own.
+// Pinned nodes do not follow: their neighbours resist the relative motion as they would resist their own. Nodes that are drawn resist by
+// their gain.
 void ImplicitMotion::addPinned( Matrix12& matrix, int part ) const
 {
 	Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
 	parts().forNodes( part, m_nodes->count, [&]( int i ) {
-		if ( m_nodes->freedom[i] == 0.0f )
+		const bool isPinned = m_nodes->freedom[i] == 0.0f;
+		if ( isPinned || gainOf( i ) > 0.0f )
 		{
 			Eigen::Vector4d arm;
 			arm << 1.0, m_nodes->x.get( i ).cast<double>() - centre( part );
-			sum += double( diagonal( i ) - m_nodes->mass[i] ) * arm * arm.transpose();
+			const float resistance = isPinned ? diagonal( i ) - m_nodes->mass[i] : m_nodes->mass[i] * gainOf( i );
+			sum += double( resistance ) * arm * arm.transpose();
 		}
 	} );
 	for ( int j = 0; j < 4; ++j )

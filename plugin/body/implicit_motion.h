@@ -7,8 +7,11 @@
 //   b = m ( v* + alpha e d / h ) + m ( gamma - sigma ) alpha ( 1 + 3 kappa ) ( 1 - P ) v*,   v* = v + h ( g + f / m )
 //   gamma = ( 1 + sigma ) / 2
 //
+// A node drawn toward a velocity u (node_pull.h) adds m gain to its diagonal entry of A and m gain u to b.
+//
 // sigma is Material::numericalDamping, c Material::damping, alpha = E h^2 / ( rho d^2 mu ) of any size, 1 - P of StrainRates.
 
+#include "body/node_pull.h"
 #include "matching/implicit/strain_rates.h"
 #include "matching/node_state.h"
 
@@ -40,8 +43,10 @@ struct ImplicitStep
 class ImplicitMotion
 {
 public:
-	/// `pushed`: the nodes' velocities plus the changes by matching; nodes.v: those of free flight, v*; both as long as `size`.
-	void begin( LatticeMatcher& matcher, NodeState& nodes, const float* pushed, const ImplicitStep& step, TaskRunner* runner );
+	/// `pushed`: the nodes' velocities plus the changes by matching; nodes.v: those of free flight, v*; both as long as `size`. `pull` must
+	/// live as long as `nodes`.
+	void begin( LatticeMatcher& matcher, NodeState& nodes, const float* pushed, const ImplicitStep& step, const NodePull& pull,
+		TaskRunner* runner );
 	/// Starts a substep of a body moved by its contacts only: G = 0, b = m v. `parts`: must live as long as `nodes`; null: one part.
 	void beginFree( NodeState& nodes, const ConnectedParts* parts = nullptr );
 
@@ -59,7 +64,7 @@ public:
 
 	// A body whose cells form several parts moves as so many: the following refers to one of them, or to the whole body where it is in one.
 	const ConnectedParts& parts() const { return m_rates.parts(); }
-	/// Whether some node of a part is pinned.
+	/// Whether some node of a part is pinned, or drawn from outside.
 	bool isHeld( int part ) const { return m_isHeld[std::size_t( part )] != 0; }
 	/// Whether a part is more than a point: a part of one node has no affine preconditioner.
 	bool hasShape( int part ) const { return !parts().areSeveral() || parts().size( part, m_nodes->count ) > 1; }
@@ -91,6 +96,7 @@ public:
 
 private:
 	void measurePinned();
+	float gainOf( int node ) const { return m_pull ? m_pull->gain[std::size_t( node )] : 0.0f; }
 	void measureArms();
 	void addPinned( Matrix12& matrix, int part ) const;
 	template <class Least, class Point>
@@ -99,6 +105,7 @@ private:
 
 	StrainRates m_rates;
 	NodeState* m_nodes = nullptr;
+	const NodePull* m_pull = nullptr; ///< null: nothing draws the nodes
 	AlignedArray<float> m_rightSide;
 	AlignedArray<float> m_arms;  ///< of the nodes relative to their part's mass centre, m, component by component; 0 where pinned
 	double m_secondMoment = 0.0; ///< of a full region, per axis and mass, m^2

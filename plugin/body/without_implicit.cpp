@@ -18,5 +18,6 @@ Status Body::implicitStatus() const
 }
 
 void Body::pushImplicitly( float, float, const Vec3&, TaskRunner* ) {}
+void Body::respond( const float*, float*, TaskRunner* ) {}
 
 } // namespace pliant

@@ -268,4 +268,41 @@ constexpr int kMostTags = 1 << 24;
 /// this, are refused: what is computed from them stays finite.
 inline constexpr btScalar kFastestStoredObject = btScalar( 1e6 ), kStrongestStored = btScalar( 1e15 ), kLargestStoredAxis = btScalar( 1.1 );
 
+// --- Bodies that follow a pose ---
+
+/// Largest gain of a node toward its target's velocity within a substep: the rest of the difference, 1e-5 of it, is beyond float's
+/// precision in the solution of an implicit body.
+inline constexpr double kMostPoseGain = 1e5;
+
+/// Largest speed at which a pose draws a node, m/s.
+inline constexpr double kMostPoseSpeed = 1e3;
+
+inline constexpr float kMostPoseDamping = 10.0f;
+
+// --- Frames ---
+
+/// Smallest inertia of a frame's patch about any axis, as a fraction of the largest: nodes on a line define no rotation.
+inline constexpr double kLeastFrameInertia = 1e-3;
+
+/// Smallest mobility that Bullet's solver sees, 1/kg and 1/(kg m^2): where all nodes of the patch are held.
+inline constexpr double kLeastFrameMobility = 1e-6;
+
+/// Fraction of the difference by which the force that a frame of an implicit body expects of its joints follows theirs in a substep, for
+/// the exact mobility; times the least fraction of it in what Bullet sees. Learning faster than joints correct drives vibrations.
+inline constexpr double kFrameLearning = 0.25;
+
+/// Down to this ratio of the mobilities along the axes a frame has one mass in all directions.
+inline constexpr double kIsotropicFrame = 0.5;
+
+/// Lower bound of that fraction.
+inline constexpr double kLeastFrameFraction = 0.1;
+
+/// Where the origin of a frame of a stiff implicit body is on the way from the patch to the body's centre of mass: impulses there turn it
+/// least, between the two where the patch gives way locally.
+inline constexpr double kFrameInward = 0.75;
+
+/// Up to this excess a frame of an explicit body learns at once: of joints that close a fraction e of their error a substep, 1 + 1 / e is
+/// the limit of stability, at Bullet's usual e = 0.2 six.
+inline constexpr double kMostLearntExcess = 4.0;
+
 } // namespace pliant

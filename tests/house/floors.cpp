@@ -31,24 +31,17 @@ const Floor kFloors[] = {
 // The sub-folders of a floor, from the lowest up. A header includes headers of its own sub-folder and of lower ones. A source file may
 // include any header of its floor, because it implements its sub-folder's functions on state that all sub-folders share.
 const std::vector<std::vector<const char*>> kSubfolders = {
-	{ "plugin/lattice/", "plugin/lattice/mesh/", "plugin/lattice/inside/", "plugin/lattice/build/" },
+	{ "plugin/lattice/", "plugin/lattice/mesh/", "plugin/lattice/inside/", "plugin/lattice/faces/", "plugin/lattice/build/" },
 	{ "plugin/adapt/octree/", "plugin/adapt/regions/", "plugin/adapt/moments/" },
 	{ "plugin/matching/kernels/", "plugin/matching/", "plugin/matching/regions/", "plugin/matching/clusters/", "plugin/matching/step/",
 		"plugin/matching/implicit/" },
 	{ "plugin/fracture/", "plugin/fracture/shards/" },
 	{ "plugin/surface/kernels/", "plugin/surface/skin/", "plugin/surface/crack_shapes/", "plugin/surface/crack_complex/",
 		"plugin/surface/crack_state/", "plugin/surface/crack_mesh/", "plugin/surface/render/" },
-	{ "plugin/body/levels/", "plugin/body/" },
+	{ "plugin/body/levels/", "plugin/body/", "plugin/body/state/" },
 	{ "plugin/world/", "plugin/world/shape/", "plugin/world/query/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/",
 		"plugin/world/respond/", "plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/",
-		"plugin/world/bodies/", "plugin/world/step/", "plugin/world/api/" },
-	{ "plugin/world/", "plugin/world/shape/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/", "plugin/world/respond/",
-		"plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/", "plugin/world/game/",
-		"plugin/world/bodies/", "plugin/world/step/", "plugin/world/api/" },
-	{ "plugin/body/levels/", "plugin/body/", "plugin/body/state/" },
-	{ "plugin/world/", "plugin/world/shape/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/", "plugin/world/respond/",
-		"plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/", "plugin/world/bodies/",
-		"plugin/world/step/", "plugin/world/api/", "plugin/world/io/" },
+		"plugin/world/rigid/", "plugin/world/game/", "plugin/world/bodies/", "plugin/world/step/", "plugin/world/api/", "plugin/world/io/" },
 };
 
 constexpr std::size_t kMostFilesOfAFolder = 20;

@@ -1,6 +1,6 @@
 // The closed surfaces of a lattice's cells.
 
-#include "lattice/cell_boundary.h"
+#include "lattice/faces/cell_boundary.h"
 
 #include <gtest/gtest.h>
 

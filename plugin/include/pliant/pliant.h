@@ -9,6 +9,7 @@
 //     pliant/render/vertex_attributes.h  tangents, and what vertices of cracks come from
 //     pliant/vehicle_raycaster.h       wheels of Bullet's vehicle on soft bodies
 //     pliant/io/snapshot.h             saving and restoring
+//     pliant/game/skeleton.h           bodies that follow an animated pose
 //     pliant/build.h, version.h        which features and which version this is
 //
 // Included here, and there to be included alone where less is wanted: mesh.h, crack.h and body_template.h (meshes), material.h,

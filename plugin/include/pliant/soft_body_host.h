@@ -201,6 +201,20 @@ public:
 	/// The setting.
 	[[nodiscard]] const DebugDrawing& debugDrawing() const;
 
+	/// Makes a frame: a rigid body, without collisions, that moves with the nodes of a soft body within `radius`, m, of a world position,
+	/// and through which Bullet's joints, motors and forces act on them, torques too. It adds no mass: its mass is what the patch resists
+	/// with. Its origin and axes are the library's choice: joints refer to its getWorldTransform. The world owns it until removeFrame. It
+	/// follows changes of levels and goes with the piece that has most of the patch; when the soft body leaves the world, or has too few
+	/// nodes left, it becomes an ordinary rigid body of the patch's mass. Velocities and transforms that the game sets on it, and impulses,
+	/// are ignored. BadArgument for a body that is not in this world, a bad number, and where the nodes within the radius are fewer than
+	/// three or lie on a line.
+	Result<btRigidBody*> addFrame( SoftBody& body, const btVector3& position, btScalar radius );
+	/// Takes a frame and all joints at it out of the world and deletes the frame, but not the joints; false for what is no frame of this
+	/// world. Not during a step.
+	bool removeFrame( const btRigidBody* frame );
+	/// The soft body that a frame moves with; null where that is gone, and for what is no frame.
+	[[nodiscard]] SoftBody* frameOwner( const btRigidBody* frame ) const;
+
 	/// The Bullet world that the soft bodies are in.
 	[[nodiscard]] btDiscreteDynamicsWorld& bulletWorld() const;
 

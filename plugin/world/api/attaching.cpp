@@ -118,6 +118,42 @@ Result<int> SoftBodyHost::weld( SoftBody& body, SoftBody& to, btScalar distance,
 	return Result<int>::success( count );
 }
 
+Result<btRigidBody*> SoftBodyHost::addFrame( SoftBody& body, const btVector3& position, btScalar radius )
+{
+	using Answer = Result<btRigidBody*>;
+	if ( const Status status = checkVector( position, "addFrame", "the position" ); !status.ok() )
+	{
+		return Answer::failure( status.code, status.sentence );
+	}
+	if ( !std::isfinite( radius ) || !( radius > 0 ) )
+	{
+		return Answer::failure( ResultCode::BadArgument, "addFrame: the radius must be finite and above 0." );
+	}
+	if ( body.impl().system != &m_step->bodies )
+	{
+		return Answer::failure( ResultCode::BadArgument, "addFrame: the soft body is not in this world." );
+	}
+	btRigidBody* const made = m_step->bodies.frames.add( m_step->world(), body, toVec3d( position ), double( radius ) );
+	if ( !made )
+	{
+		return Answer::failure(
+			ResultCode::BadArgument, "addFrame: fewer than three nodes, or nodes on a line, are within the radius: it must be larger." );
+	}
+	body.activate( true );
+	return Answer::success( made );
+}
+
+bool SoftBodyHost::removeFrame( const btRigidBody* frame )
+{
+	return frame && m_step->bodies.frames.remove( m_step->world(), *frame );
+}
+
+SoftBody* SoftBodyHost::frameOwner( const btRigidBody* frame ) const
+{
+	const Frame* const found = frame ? m_step->bodies.frames.find( *frame ) : nullptr;
+	return found ? found->body : nullptr;
+}
+
 bool SoftBodyHost::detach( int id )
 {
 	const Attachment* const attachment = m_step->bodies.attachments.find( id );

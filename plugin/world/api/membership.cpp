@@ -129,6 +129,13 @@ void SoftBodySystem::removeLost()
 {
 	std::erase_if( attachments.all(),
 		[this]( Attachment& attachment ) { return attachment.rigid && !holds( attachment.rigid, attachment.rigidIndex ); } );
+	for ( Frame& frame : frames.all() )
+	{
+		if ( frame.isInWorld && !holds( frame.rigid.get(), frame.rigidIndex ) )
+		{
+			frames.forget( *frame.rigid, m_world );
+		}
+	}
 	unsigned serial = 0;
 	while ( SoftBody* const body = bodyAfter( serial ) )
 	{

@@ -18,6 +18,10 @@ namespace {
 
 bool isDriven( const SoftBody& body )
 {
+	if ( body.impl().follower && body.impl().follower->isMoving && body.impl().follower->blend > 0.0 )
+	{
+		return true;
+	}
 	const std::vector<Pin>& pins = body.impl().pins;
 	return std::any_of( pins.begin(), pins.end(),
 		[]( const Pin& pin ) { return pin.hasTarget || ( pin.kind == PinKind::FollowsBody && pin.body->isActive() ); } );
@@ -107,6 +111,13 @@ void SoftBodySystem::wakeDriven()
 		if ( !body->isActive() && isDriven( *body ) )
 		{
 			body->activate();
+		}
+	}
+	for ( Frame& frame : frames.all() ) // the game has woken it, say to start a motor
+	{
+		if ( frame.body && frame.rigid->isActive() && !frame.body->isActive() )
+		{
+			frame.body->activate();
 		}
 	}
 }

@@ -157,6 +157,7 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	impl.scale = from.scale;
 	impl.forces = SurfaceForces::ofPiece( from.forces.get(), from.fractureVersion );
 	impl.contactRecords = from.contactRecords ? std::make_unique<ContactRecords>() : nullptr;
+	impl.follower = from.follower ? std::make_unique<PoseFollower>( *from.follower ) : nullptr;
 	impl.self = from.self ? std::make_unique<SelfCollision>() : nullptr;
 	const Fracture& settings = impl.body->fracture();
 	if ( piece.isSmall && settings.smallPieces == SmallPieces::Fade && impl.fading.time == 0.0f )
@@ -259,6 +260,19 @@ void SoftBodySystem::makeFragments( std::vector<Broken>& broken )
 	runTasks( tasks(), int( pending.size() ), make );
 }
 
+void SoftBodySystem::claimFrames( Broken& broken )
+{
+	if ( frames.isEmpty() )
+	{
+		return;
+	}
+	frames.claim( *broken.body, *broken.body, broken.remains.nodeNow );
+	for ( std::size_t k = 1; k < broken.fragments.size(); ++k )
+	{
+		frames.claim( *broken.body, *broken.fragments[k], numbersNow( broken.pieces[k], broken.body->nodeCount() ) );
+	}
+}
+
 void SoftBodySystem::settlePieces( Broken& broken )
 {
 	SoftBody& body = *broken.body;
@@ -282,9 +296,11 @@ void SoftBodySystem::settlePieces( Broken& broken )
 	{
 		attachments.moveToPiece( body, *broken.fragments[k], numbersNow( broken.pieces[k], impl.body->nodeCount() ) );
 	}
+	claimFrames( broken );
 	const std::vector<std::uint32_t> nodeNow = attachments.isEmpty() ? std::vector<std::uint32_t>() : broken.remains.nodeNow;
 	impl.adopt( body, broken.pieces[0], std::move( broken.remains ) );
 	attachments.followRemains( body, nodeNow );
+	frames.settle( body, m_world );
 	impl.centralForce *= btScalar( impl.mass / massBefore );
 	for ( std::size_t k = 1; k < broken.fragments.size(); ++k )
 	{

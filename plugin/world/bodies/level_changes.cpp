@@ -197,6 +197,7 @@ void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& 
 	if ( system )
 	{
 		system->attachments.follow( owner, done.keptAs );
+		system->frames.follow( owner, system->world() );
 	}
 	shape->followLevels( *body, shapeShift, !fades ); // before links break; adopt() moves the shape afterwards
 	ContactProxyPool::renumber( owner, done.keptAs, body->nodeCount() );

@@ -13,7 +13,8 @@
 #include "surface/skin/rigid_skin.h"
 #include "surface/skin/skin_fade.h"
 #include "surface/skin/skinning.h"
-#include "world/bodies/rigid_twin.h"
+#include "world/bodies/pose_follower.h"
+#include "world/rigid/rigid_twin.h"
 #include "world/constants.h"
 #include "world/detect/node_contacts.h"
 #include "world/game/contact_records.h"
@@ -216,6 +217,7 @@ struct SoftBody::Impl
 	mutable unsigned crackVersionBefore = 0;       ///< fractureVersion that the view's last change started from
 
 	std::unique_ptr<SelfCollision> self;    ///< null: no self-collision
+	std::unique_ptr<PoseFollower> follower; ///< null: follows no pose
 	std::vector<Pin> pins;                  ///< ascending by node
 	std::vector<ContactProxy*> proxyOfNode; ///< by node; null without contacts
 	mutable int partingPhases = 0;          ///< above 0: it is being separated (parting.h), without tunneling guard

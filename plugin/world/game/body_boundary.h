@@ -3,7 +3,7 @@
 // The surface of a body's cells in the present shape, for force fields, gas, explosions and queries.
 
 #include "body/body.h"
-#include "lattice/cell_boundary.h"
+#include "lattice/faces/cell_boundary.h"
 
 #include <vector>
 

@@ -3,7 +3,7 @@
 // The collision shape that Bullet sees of a soft body: its drawn surface, or the border of its cells where nothing is drawn. Rays, sweeps
 // and contact tests meet it; a substep's own searches use the node spheres (node_shape.h). Triangles are placed where something asks.
 
-#include "lattice/boundary_faces.h"
+#include "lattice/faces/boundary_faces.h"
 #include "world/query/sphere_sweep.h"
 #include "world/query/triangle_tree.h"
 

@@ -132,12 +132,21 @@ private:
 
 	void uniteByAttachments()
 	{
-		for ( const Attachment& attachment : m_bodies.attachments.all() )
-		{
-			const btCollisionObject &a = *attachment.first.body, &b = attachment.secondObject();
+		const auto uniteMoving = [this]( const btCollisionObject& a, const btCollisionObject& b ) {
 			if ( !a.isStaticOrKinematicObject() && !b.isStaticOrKinematicObject() && m_bodies.isInPass( a ) && m_bodies.isInPass( b ) )
 			{
 				unite( &a, &b );
+			}
+		};
+		for ( const Attachment& attachment : m_bodies.attachments.all() )
+		{
+			uniteMoving( *attachment.first.body, attachment.secondObject() );
+		}
+		for ( const Frame& frame : m_bodies.frames.all() )
+		{
+			if ( frame.body )
+			{
+				uniteMoving( *frame.body, *frame.rigid );
 			}
 		}
 	}

@@ -46,7 +46,7 @@ int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<
 			count = std::max( count, std::min( planOf( *body, gameStep, count ).substepsNeeded, maxSubsteps ) );
 		}
 	}
-	group.choose( SubstepGroup::Scene{ m_world, m_bodies, rigid, constraints, attachments, canSplit }, m_substepped, gameStep );
+	group.choose( SubstepGroup::Scene{ m_world, m_bodies, rigid, constraints, attachments, frames, canSplit }, m_substepped, gameStep );
 	return std::min( count, kLargestSubsteps );
 }
 
@@ -194,6 +194,7 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 {
 	BT_PROFILE( "pliant: accelerate" );
 	gatherAwake();
+	placeFrames(); // bodies may have been teleported
 	if ( breakBodies() )
 	{
 		gatherAwake();
@@ -203,7 +204,12 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 	{
 		body->impl().lastSubstep = double( h );
 		drivePins( *body, h, substep );
+		if ( PoseFollower* const follower = body->impl().follower.get() )
+		{
+			follower->pull( *body->impl().body, double( h ), substep, substepsOf( *body ), ownAcceleration( *body ) );
+		}
 	}
+	pressFrames( true );
 	{
 		Stopwatch watch( report.matching );
 		forAwake( [&]( SoftBody& body, TaskRunner* within ) {
@@ -225,10 +231,12 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 			if ( !body.impl().isImplicit )
 			{
 				body.impl().body->applyForces( float( h ), ownAcceleration( body ), within );
+				drawToPose( body, h );
 			}
 		} );
 	}
 	accelerateRigid( h );
+	pressFrames( false );
 	for ( SoftBody* body : m_awake )
 	{
 		body->impl().nodeAxes.clear(); // measured again on request
@@ -317,12 +325,75 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 			return; // fell asleep in this substep
 		}
 		settlePins( body, h, substep );
+		if ( impl.follower && impl.isImplicit )
+		{
+			impl.follower->sum( *impl.body, double( h ) ); // of the velocities of its solution
+		}
 		impl.isBroken = impl.body->integrate( float( h ), within ) == BodyHealth::Quarantined;
 		impl.placeSpheres( body, impl.body->motion(), within );
 		impl.skin.nodesMoved();
 	} );
 	integrateRigid( h );
 	quarantineBroken();
+	placeFrames();
+}
+
+void SoftBodySystem::placeFrames()
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		if ( !frames.isEmpty() && ( body->isActive() || body->isStaticOrKinematicObject() ) && isInPass( *body ) )
+		{
+			frames.place( *body );
+		}
+	}
+}
+
+void SoftBodySystem::drawToPose( SoftBody& body, btScalar h )
+{
+	SoftBody::Impl& impl = body.impl();
+	if ( impl.follower && impl.body->pull().isOn() )
+	{
+		impl.body->applyPull();
+		impl.follower->sum( *impl.body, double( h ) );
+	}
+}
+
+void SoftBodySystem::pressFrames( bool isOn )
+{
+	for ( SoftBody* body : m_awake )
+	{
+		if ( !frames.isEmpty() )
+		{
+			frames.press( *body, isOn );
+		}
+	}
+}
+
+void SoftBodySystem::giveFrames( btScalar h )
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		if ( !frames.isEmpty() && moves( *body ) && isInPass( *body ) )
+		{
+			frames.before( *body, double( h ), tasks() );
+		}
+		else if ( !frames.isEmpty() && ( body->isStaticOrKinematicObject() || !body->isHealthy() ) )
+		{
+			frames.hold( *body );
+		}
+	}
+}
+
+void SoftBodySystem::readFrames( btScalar h )
+{
+	for ( SoftBody* body : m_awake )
+	{
+		if ( !frames.isEmpty() && moves( *body ) )
+		{
+			frames.after( *body, double( h ) );
+		}
+	}
 }
 
 void SoftBodySystem::endStep()
@@ -333,6 +404,10 @@ void SoftBodySystem::endStep()
 	noteSleepers();
 	for ( SoftBody* body : m_bodies )
 	{
+		if ( PoseFollower* const follower = body->impl().follower.get() )
+		{
+			follower->endStep( toVec3d( body->massCentre() ) );
+		}
 		if ( body->getActivationState() == ISLAND_SLEEPING )
 		{
 			NodeState& nodes = body->impl().body->nodes();

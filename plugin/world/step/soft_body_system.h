@@ -7,6 +7,7 @@
 #include "pliant/step_report.h"
 #include "pliant/task_runner.h"
 #include "world/bodies/attachments.h"
+#include "world/bodies/frames.h"
 #include "world/bodies/skin_scratch_pool.h"
 #include "world/detect/node_algorithm.h"
 #include "world/detect/node_contacts.h"
@@ -100,8 +101,10 @@ public:
 	/// Solves implicit bodies and what they touch before Bullet's solver; noteSolved() then reads that solver's results.
 	void solveImplicit( btDispatcher& dispatcher, const btContactSolverInfo& info );
 	void noteSolved() { implicitSolve().after(); }
-	void readBack();             ///< the solver's results for touched nodes
-	void holdBack( btScalar h ); ///< keeps fast nodes from passing through static and kinematic objects
+	void giveFrames( btScalar h ); ///< the velocities of their patches, before the solver
+	void readFrames( btScalar h ); ///< what joints have changed, to the patches' nodes
+	void readBack();               ///< the solver's results for touched nodes
+	void holdBack( btScalar h );   ///< keeps fast nodes from passing through static and kinematic objects
 	void integrate( btScalar h, int substep );
 	void updateActivation( btScalar h );
 	void endStep();
@@ -123,6 +126,7 @@ public:
 	DebugDrawing drawing;
 	/// Adds `by`, m, to the coordinates of soft bodies and of what refers to them.
 	void shift( const btVector3& by );
+	Frames frames;
 	std::vector<SoftBody*> owned; ///< fragments that the game has not released
 	DebrisBudget debris;
 
@@ -172,6 +176,7 @@ private:
 	bool breakBodies();
 	struct Broken;
 	void makeFragments( std::vector<Broken>& broken );
+	void claimFrames( Broken& broken );
 	void settlePieces( Broken& broken );
 	void advanceFading( btScalar gameStep );
 	void limitDebris( btScalar gameStep );
@@ -189,6 +194,9 @@ private:
 	void removeLost();
 	void noteSleepers();
 	void wakeRestingOnWoken();
+	void drawToPose( SoftBody& body, btScalar h ); ///< of an explicit body, after its forces
+	void placeFrames();
+	void pressFrames( bool isOn );
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
 	bool canBeRigid( const SoftBody& body ) const;

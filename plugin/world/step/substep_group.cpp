@@ -2,6 +2,7 @@
 
 #include "archive/archive.h"
 #include "world/bodies/attachments.h"
+#include "world/bodies/frames.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 
@@ -302,12 +303,21 @@ bool SubstepGroup::includeJoined( const Scene& scene )
 			isChanged = include( contains( a ) ? b : a ) || isChanged;
 		}
 	}
-	for ( const Attachment& attachment : scene.attachments.all() )
-	{
-		const btCollisionObject &a = *attachment.first.body, &b = attachment.secondObject();
+	const auto includeBoth = [&]( const btCollisionObject& a, const btCollisionObject& b ) {
 		if ( contains( a ) != contains( b ) )
 		{
 			isChanged = include( contains( a ) ? b : a ) || isChanged;
+		}
+	};
+	for ( const Attachment& attachment : scene.attachments.all() )
+	{
+		includeBoth( *attachment.first.body, attachment.secondObject() );
+	}
+	for ( const Frame& frame : scene.frames.all() )
+	{
+		if ( frame.body )
+		{
+			includeBoth( *frame.body, *frame.rigid );
 		}
 	}
 	return isChanged;

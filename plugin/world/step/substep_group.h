@@ -25,6 +25,7 @@ enum class StepPass
 
 class Archive;
 class Attachments;
+class Frames;
 
 class SubstepGroup
 {
@@ -46,6 +47,7 @@ public:
 		const btAlignedObjectArray<btRigidBody*>& rigid; ///< without static ones
 		const btAlignedObjectArray<btTypedConstraint*>& constraints;
 		const Attachments& attachments;
+		const Frames& frames;
 		bool canSplit; ///< false: the group has all movable objects or none
 	};
 

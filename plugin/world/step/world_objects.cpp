@@ -59,6 +59,7 @@ void WorldStep::leave()
 	{
 		remove( bodies.bodies().back() );
 	}
+	bodies.frames.removeAll( m_parts.world );
 	m_stages.releasePredictiveContacts();
 	bodies.dropPredictiveContacts();
 }
@@ -118,6 +119,7 @@ void WorldStep::forgetObject( btCollisionObject& object )
 {
 	bodies.attachments.removeAllOf( object );
 	bodies.contactEvents.forget( object, bodies.bodies() );
+	bodies.frames.forget( object, m_parts.world );
 	bodies.group.noteRemoval( object, m_parts.world.getNumCollisionObjects() );
 	m_outside.forget( object );
 	if ( btRigidBody* const body = btRigidBody::upcast( &object ) )

@@ -284,6 +284,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 	{
 		bodies.solveImplicit( dispatcher, info );
 		frictionTorque.aim( dispatcher );
+		bodies.giveFrames( info.m_timeStep );
 	}
 	if ( m_moved.hasRestitution() && m_isStepping )
 	{
@@ -301,6 +302,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 	}
 	m_moved.moveBack();
 	bodies.readBack();
+	bodies.readFrames( info.m_timeStep );
 	if ( m_moved.hasRollingFriction() )
 	{
 		m_rolling.apply();

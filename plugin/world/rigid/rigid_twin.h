@@ -4,7 +4,7 @@
 // collision object, with hulls for a shape, and its manifolds refer to the twin while they are solved.
 
 #include "body/rigid_state.h"
-#include "world/shape/rigid_shape.h"
+#include "world/rigid/rigid_shape.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 

@@ -1,4 +1,4 @@
-#include "lattice/boundary_faces.h"
+#include "lattice/faces/boundary_faces.h"
 
 #include "lattice/axis_neighbours.h"
 

@@ -1,6 +1,6 @@
 #include "pliant/vehicle_raycaster.h"
 
-#include "world/api/wheel_constants.h"
+#include "world/game/wheel_constants.h"
 #include "world/bodies/soft_body_impl.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>

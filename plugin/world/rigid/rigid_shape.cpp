@@ -1,4 +1,4 @@
-#include "world/shape/rigid_shape.h"
+#include "world/rigid/rigid_shape.h"
 
 #include "body/rigid_state.h"
 #include "world/constants.h"

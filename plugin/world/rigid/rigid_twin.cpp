@@ -1,4 +1,4 @@
-#include "world/bodies/rigid_twin.h"
+#include "world/rigid/rigid_twin.h"
 
 #include "body/rigid_state.h"
 #include "world/bodies/soft_body_impl.h"

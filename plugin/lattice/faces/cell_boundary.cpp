@@ -1,4 +1,4 @@
-#include "lattice/cell_boundary.h"
+#include "lattice/faces/cell_boundary.h"
 
 #include "lattice/union_find.h"
 

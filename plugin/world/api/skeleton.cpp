@@ -1,0 +1,257 @@
+// The public functions of bodies that follow a pose.
+
+#include "pliant/game/skeleton.h"
+#include "world/bodies/placing.h"
+#include "world/bodies/pose_follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pliant {
+
+namespace {
+
+Status checkSettings( const char* call, const PoseSettings& settings )
+{
+	const bool isSound = settings.frequency > 0.0f && settings.dampingRatio >= 0.0f && settings.dampingRatio <= kMostPoseDamping;
+	return isSound
+		? Status{}
+		: Status{ ResultCode::BadSettings, std::string( call ) + ": the frequency must be above 0 and the damping ratio 0 to 10." };
+}
+
+/// Fills what does not depend on bones.
+Status paint( const char* call, const Lattice& lattice, const PoseSettings& settings, PoseModel& model )
+{
+	for ( std::size_t cell = 0; cell < lattice.fill.size(); ++cell )
+	{
+		const Vec3d at = lattice.massCentre + lattice.restCentre[cell].cast<double>();
+		const Vec3 point = at.cast<float>();
+		const PosePaint painted = settings.paint ? settings.paint( point.data(), settings.context ) : PosePaint{};
+		if ( !( painted.strength >= 0.0f && painted.strength <= 1.0f && painted.largestDistance > 0.0f ) )
+		{
+			return Status{
+				ResultCode::BadSettings, std::string( call ) + ": paint must return a strength of 0 to 1 and a largest distance above 0." };
+		}
+		model.rest.push_back( at );
+		model.strength.push_back( painted.strength );
+		model.reach.push_back( std::min( painted.largestDistance, std::numeric_limits<float>::max() ) );
+		model.fill.push_back( lattice.fill[cell] );
+	}
+	model.frequency = 2.0 * EIGEN_PI * double( settings.frequency );
+	model.dampingRatio = double( settings.dampingRatio );
+	return {};
+}
+
+/// Reads the vertices' weights; refuses what is no number, no bone, or adds up to nothing.
+Status readWeights( const SkinWeights& given, std::vector<PoseModel::Weights>& vertices )
+{
+	for ( int v = 0; v < given.vertexCount; ++v )
+	{
+		PoseModel::Weights& own = vertices.emplace_back();
+		double sum = 0.0;
+		for ( int k = 0; k < given.perVertex; ++k )
+		{
+			const std::size_t index = std::size_t( v ) * std::size_t( given.perVertex ) + std::size_t( k );
+			const float weight = given.weights[index];
+			if ( !( weight >= 0.0f ) || !std::isfinite( weight ) )
+			{
+				return refused( "followBones", "a weight is negative or no finite number." );
+			}
+			if ( weight > 0.0f && ( given.bones[index] < 0 || given.bones[index] >= given.boneCount ) )
+			{
+				return refused( "followBones", "there is no bone of a number that has a weight." );
+			}
+			own.bone[std::size_t( k )] = weight > 0.0f ? given.bones[index] : 0;
+			own.weight[std::size_t( k )] = weight;
+			sum += double( weight );
+		}
+		if ( !( sum > 0.0 ) )
+		{
+			return refused( "followBones", "a vertex has no weight above 0." );
+		}
+		for ( float& weight : own.weight )
+		{
+			weight = float( double( weight ) / sum );
+		}
+	}
+	return {};
+}
+
+void follow( SoftBody& body, PoseModel model )
+{
+	SoftBody::Impl& impl = body.impl();
+	impl.follower = std::make_unique<PoseFollower>();
+	impl.follower->model = std::make_shared<const PoseModel>( std::move( model ) );
+	impl.body->pull().clear();
+}
+
+Status give( SoftBody& body, std::vector<Vec3d> targets, bool jumps )
+{
+	PoseFollower& follower = *body.impl().follower;
+	const bool isNew = !follower.hasPose || targets != follower.target;
+	follower.setTargets( std::move( targets ), jumps );
+	if ( isNew && follower.blend > 0.0 )
+	{
+		body.activate();
+	}
+	return {};
+}
+
+} // namespace
+
+Status followBones( SoftBody& body, const SkinWeights& weights, const PoseSettings& settings )
+{
+	const BodyTemplate& shape = body.bodyTemplate();
+	const SkinBinding& skin = shape.skin();
+	if ( Status status = checkSettings( "followBones", settings ); !status.ok() )
+	{
+		return status;
+	}
+	if ( skin.start.empty() || shape.vertexCount() == 0 )
+	{
+		return refused( "followBones", "the body's template has no skin (LatticeSettings::skinning)." );
+	}
+	if ( !weights.bones || !weights.weights || weights.perVertex < 1 || weights.perVertex > PoseModel::kMostBones ||
+		weights.boneCount < 1 || weights.vertexCount != shape.vertexCount() )
+	{
+		return refused( "followBones", "it needs bones and weights, 1 to 4 a vertex, for as many vertices as the template has." );
+	}
+	PoseModel model;
+	std::vector<PoseModel::Weights> vertices;
+	Status status = readWeights( weights, vertices );
+	status = status.ok() ? paint( "followBones", shape.lattice(), settings, model ) : status;
+	if ( !status.ok() )
+	{
+		return status;
+	}
+	model.boneCount = weights.boneCount;
+	model.weights = weightsOfCells(
+		shape.lattice(), weights.boneCount, int( skin.start.size() ) - 1, skin.start, skin.node, skin.weight, vertices );
+	follow( body, std::move( model ) );
+	return {};
+}
+
+Status followTargets( SoftBody& body, const PoseSettings& settings )
+{
+	PoseModel model;
+	Status status = checkSettings( "followTargets", settings );
+	status = status.ok() ? paint( "followTargets", body.bodyTemplate().lattice(), settings, model ) : status;
+	if ( status.ok() )
+	{
+		follow( body, std::move( model ) );
+	}
+	return status;
+}
+
+void stopFollowing( SoftBody& body )
+{
+	if ( isFollowing( body ) )
+	{
+		body.impl().follower.reset();
+		body.impl().body->pull().clear();
+		body.activate();
+	}
+}
+
+bool isFollowing( const SoftBody& body )
+{
+	return body.impl().follower != nullptr;
+}
+
+Status setPose( SoftBody& body, const btTransform* bones, int count, bool jumps )
+{
+	const PoseFollower* const follower = body.impl().follower.get();
+	if ( !follower || follower->model->boneCount == 0 )
+	{
+		return refused( "setPose", "the body follows no bones (followBones)." );
+	}
+	if ( !bones || count != follower->model->boneCount )
+	{
+		return refused( "setPose", "it needs a transform for each bone that followBones was told of." );
+	}
+	for ( int k = 0; k < count; ++k )
+	{
+		if ( !isFinite( bones[k] ) )
+		{
+			return refused( "setPose", "a transform is not finite." );
+		}
+	}
+	const PoseModel& model = *follower->model;
+	std::vector<Vec3d> targets( model.rest.size(), Vec3d::Zero() );
+	for ( std::size_t cell = 0; cell < targets.size(); ++cell )
+	{
+		for ( std::size_t k = 0; k < PoseModel::kMostBones; ++k )
+		{
+			const float weight = model.weights[cell].weight[k];
+			if ( weight > 0.0f )
+			{
+				const btTransform& bone = bones[model.weights[cell].bone[k]];
+				targets[cell] += double( weight ) * ( toMatrix3d( bone.getBasis() ) * model.rest[cell] + toVec3d( bone.getOrigin() ) );
+			}
+		}
+	}
+	return give( body, std::move( targets ), jumps );
+}
+
+Status setTargets( SoftBody& body, const btVector3* positions, int count, bool jumps )
+{
+	const PoseFollower* const follower = body.impl().follower.get();
+	if ( !follower || follower->model->boneCount > 0 )
+	{
+		return refused( "setTargets", "the body follows no targets (followTargets)." );
+	}
+	if ( !positions || count != int( follower->model->rest.size() ) )
+	{
+		return refused( "setTargets", "it needs a position for each cell of the template." );
+	}
+	std::vector<Vec3d> targets;
+	for ( int cell = 0; cell < count; ++cell )
+	{
+		if ( !isFinite( positions[cell] ) )
+		{
+			return refused( "setTargets", "a position is not finite." );
+		}
+		targets.push_back( toVec3d( positions[cell] ) );
+	}
+	return give( body, std::move( targets ), jumps );
+}
+
+btVector3 poseTarget( const SoftBody& body, int cell )
+{
+	const PoseFollower* const follower = body.impl().follower.get();
+	const bool isThere = follower && cell >= 0 && cell < int( follower->target.size() );
+	return isThere ? toBt( follower->target[std::size_t( cell )] ) : btVector3( 0, 0, 0 );
+}
+
+Status setPoseBlend( SoftBody& body, btScalar blend )
+{
+	PoseFollower* const follower = body.impl().follower.get();
+	if ( !follower )
+	{
+		return refused( "setPoseBlend", "the body follows no pose." );
+	}
+	if ( !( blend >= 0 && blend <= 1 ) )
+	{
+		return refused( "setPoseBlend", "the blend must be 0 to 1." );
+	}
+	if ( follower->blend != double( blend ) )
+	{
+		follower->blend = double( blend );
+		body.activate();
+	}
+	return {};
+}
+
+btScalar poseBlend( const SoftBody& body )
+{
+	return body.impl().follower ? btScalar( body.impl().follower->blend ) : btScalar( 0 );
+}
+
+PoseForce poseForce( const SoftBody& body )
+{
+	const PoseFollower* const follower = body.impl().follower.get();
+	return follower ? PoseForce{ toBt( follower->force ), toBt( follower->torque ) } : PoseForce{};
+}
+
+} // namespace pliant

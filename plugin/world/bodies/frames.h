@@ -1,0 +1,115 @@
+#pragma once
+
+// Frames: rigid bodies that move with patches of soft bodies, for Bullet's joints. A frame's rigid body has the mobility of its patch and
+// no mass besides: before Bullet's solver it gets the patch's velocity, afterwards what the joints have changed goes to the nodes.
+//
+//   V = B^T v,   B = m ( 1 / M + I^-1 r x ) the distribution of an impulse at the frame over the patch's nodes
+//   W = B^T A^-1 B the mobility: the velocity that unit impulses and angular impulses on the frame give it within the substep, with A the
+//   masses of an explicit body, and the matrix of an implicit one, whose elasticity lets the whole body follow
+//
+// A rigid body of Bullet's has a mobility D without coupling; D = s diag( W ), s the least factor for which D - W is positive, so that no
+// joint overshoots. What D is too large is made up for by the force of the last substeps: like gravity it acts on the patch before the
+// solver, and the frame's velocity that Bullet gets is without it. docs/design/attachments.md.
+
+#include "body/implicit_motion.h"
+#include "lattice/lattice.h"
+
+#include <Eigen/Geometry>
+
+#include <memory>
+#include <vector>
+
+class btCollisionObject;
+class btCollisionShape;
+class btDiscreteDynamicsWorld;
+class btRigidBody;
+
+namespace pliant {
+
+class SoftBody;
+class TaskRunner;
+
+struct Frame
+{
+	struct Node
+	{
+		int node = -1;
+		Vec3d rest = Vec3d::Zero(); ///< in the frame, m
+	};
+	Frame();
+	Frame( Frame&& ) noexcept;
+	Frame& operator=( Frame&& ) noexcept;
+	~Frame();
+
+	SoftBody* body = nullptr; ///< null: the patch is gone, and the rigid body is an ordinary one
+	std::unique_ptr<btCollisionShape> shape;
+	std::unique_ptr<btRigidBody> rigid;
+	int rigidIndex = -1; ///< last known index in the world's list of objects
+	bool isInWorld = true;
+	double radius = 0.0;          ///< of the patch, m
+	Vec3d middle = Vec3d::Zero(); ///< of the patch, in the frame, m
+	std::vector<Node> patch;
+
+	Vec3d at = Vec3d::Zero(); ///< the frame's origin, world, m: Bullet's is rounded
+	Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+	Vec3d mean = Vec3d::Zero();                        ///< from the origin to the patch's centre of mass, world, m
+	double mass = 0.0;                                 ///< of the patch, kg
+	Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero(); ///< of the patch about its centre of mass, kg m^2
+	Vector6 force = Vector6::Zero();                   ///< learnt: of joints on the patch about the origin, N and N m
+	std::vector<float> response;                       ///< A^-1 B, six vectors, of an implicit body
+	Matrix6 mobility = Matrix6::Zero();                ///< W
+	double learning = 0.0;           ///< fraction of the difference by which the learnt force follows the joints' in a substep
+	Vector6 given = Vector6::Zero(); ///< the velocity that Bullet's solver got
+	bool isSolved = false;           ///< Bullet's solver has it in this pass
+
+	// The piece that gets the frame while its body breaks.
+	SoftBody* claimant = nullptr;
+	std::vector<Node> claimedPatch;
+};
+
+class Frames
+{
+public:
+	/// Makes a frame of the nodes within `radius` of `at`, world, m. Returns null where they lie on a line.
+	btRigidBody* add( btDiscreteDynamicsWorld& world, SoftBody& body, const Vec3d& at, double radius );
+	/// Takes the frame and its joints out of the world and deletes it. Returns false for what is no frame.
+	bool remove( btDiscreteDynamicsWorld& world, const btRigidBody& rigid );
+	void removeAll( btDiscreteDynamicsWorld& world );
+	/// An object leaves the world: a soft body's frames become ordinary rigid bodies, a frame itself stays until it is removed.
+	void forget( const btCollisionObject& object, const btDiscreteDynamicsWorld& world );
+	bool isEmpty() const { return m_frames.empty(); }
+	std::vector<Frame>& all() { return m_frames; }
+	const std::vector<Frame>& all() const { return m_frames; }
+	const Frame* find( const btRigidBody& rigid ) const;
+
+	// One pass, for the frames of one body.
+	void place( const SoftBody& body );                   ///< where its patch is
+	void press( SoftBody& body, bool isOn );              ///< adds the learnt forces to the nodes', or takes them out again
+	void before( SoftBody& body, double h, TaskRunner* ); ///< Bullet's solver
+	void after( SoftBody& body, double h );
+	void hold( const SoftBody& body ); ///< the same for a body that is static, kinematic or in quarantine: its frames cannot be moved
+
+	/// After a change of levels: chooses the patches again. Thread-safe for different bodies.
+	void follow( const SoftBody& body, const btDiscreteDynamicsWorld& world );
+	/// While a body breaks: notes what part of the patches a piece has, by node of the parent (kNoNode: not in the piece); settle() gives
+	/// each frame to the piece with most of it.
+	void claim( const SoftBody& parent, SoftBody& piece, const std::vector<std::uint32_t>& nodeNow );
+	void settle( const SoftBody& parent, const btDiscreteDynamicsWorld& world );
+
+private:
+	template <class F>
+	void forFramesOf( const SoftBody& body, F&& visit )
+	{
+		for ( Frame& frame : m_frames )
+		{
+			if ( frame.body == &body )
+			{
+				visit( frame );
+			}
+		}
+	}
+
+	std::vector<Frame> m_frames; ///< in the order in which they were made
+};
+
+} // namespace pliant
