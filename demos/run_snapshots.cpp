@@ -98,6 +98,7 @@ int runSnapshots( const SceneEntry& entry, const RunSettings& settings )
 			const Bytes wanted = save( stage, true );
 			const std::string here = comparison( stage, saved, then, wanted ), there = comparison( *others[s], saved, then, wanted );
 			std::printf( "  %6d %8d %8d %10zu   %-28s %s\n", step, bodies, pieces, saved.size(), here.c_str(), there.c_str() );
+			std::fflush( stdout ); // it takes a while
 			areEqual = areEqual && here == "equal" && there == "equal";
 		}
 	}

@@ -336,8 +336,8 @@ void NodeShape::archive( Archive& archive, const Body& body )
 	std::vector<int> sorted = nodes;
 	std::sort( sorted.begin(), sorted.end() );
 	archive.require( !nodes.empty() && sorted.front() >= 0 && sorted.back() < count &&
-			std::adjacent_find( sorted.begin(), sorted.end() ) == sorted.end() && m_smallestRadius > 0 &&
-			m_largestRadius >= m_smallestRadius,
+			std::adjacent_find( sorted.begin(), sorted.end() ) == sorted.end() && m_smallestRadius > 0 && m_largestRadius > 0 &&
+			std::isfinite( m_largestRadius ),
 		"The spheres are those of another body." );
 	for ( const float radius : m_colliders.radius )
 	{
