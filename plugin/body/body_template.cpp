@@ -8,6 +8,8 @@
 #include "surface/crack_complex/cell_complex.h"
 #include "surface/crack_state/crack_patches.h"
 #include "surface/crack_state/crack_surface.h"
+#include "surface/render/skin_tables.h"
+#include "surface/render/vertex_data.h"
 #include "surface/skin/skinning.h"
 
 #include <chrono>
@@ -28,6 +30,10 @@ struct BodyTemplate::Data
 	std::vector<std::uint32_t> indices;
 	std::vector<float> textureCoordinates;
 	std::vector<std::uint32_t> submeshOfTriangle;
+
+	std::mutex tableMutex;
+	std::shared_ptr<const std::vector<float>> tangents;
+	std::shared_ptr<const SkinTables> skinTables; ///< null: nobody has asked for them
 
 	// For cracks, which most templates never use.
 	std::vector<float> positions; ///< of the mesh's vertices, m
@@ -106,6 +112,9 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 			data.indices = copyOf( mesh.indices, 3 * mesh.triangleCount );
 			data.textureCoordinates = copyOf( mesh.textureCoordinates, 2 * mesh.vertexCount );
 			data.submeshOfTriangle = copyOf( mesh.submeshOfTriangle, mesh.triangleCount );
+			data.tangents = mesh.tangents
+				? std::make_shared<const std::vector<float>>( mesh.tangents, mesh.tangents + 4 * mesh.vertexCount )
+				: nullptr;
 		}
 		data.settings = settings;
 		data.settings.runner = nullptr; // owned by the game, valid only during the build
@@ -196,6 +205,39 @@ std::shared_ptr<TemplateCache> BodyTemplate::cache() const
 const SkinBinding& BodyTemplate::skin() const
 {
 	return m_data->skin;
+}
+
+std::shared_ptr<const std::vector<float>> BodyTemplate::restTangents() const
+{
+	Data& data = *m_data;
+	const std::lock_guard<std::mutex> lock( data.tableMutex );
+	if ( !data.tangents && !data.textureCoordinates.empty() )
+	{
+		data.tangents = std::make_shared<const std::vector<float>>( tangentsFromTexture(
+			data.positions.data(), data.textureCoordinates.data(), { data.indices.data(), data.triangleCount }, data.skin.restNormal ) );
+	}
+	return data.tangents;
+}
+
+const float* BodyTemplate::inputPositions() const
+{
+	return dataOrNull( m_data->positions );
+}
+
+const LatticeSettings& BodyTemplate::settings() const
+{
+	return m_data->settings;
+}
+
+std::shared_ptr<const SkinTables> BodyTemplate::skinTables() const
+{
+	Data& data = *m_data;
+	const std::lock_guard<std::mutex> lock( data.tableMutex );
+	if ( !data.skinTables )
+	{
+		data.skinTables = std::make_shared<const SkinTables>( makeSkinTables( data.skin, { data.indices.data(), data.triangleCount } ) );
+	}
+	return data.skinTables;
 }
 
 std::shared_ptr<const CellComplex> BodyTemplate::crackComplex() const

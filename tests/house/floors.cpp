@@ -35,7 +35,7 @@ const std::vector<std::vector<const char*>> kSubfolders = {
 	{ "plugin/matching/kernels/", "plugin/matching/", "plugin/matching/regions/", "plugin/matching/clusters/", "plugin/matching/step/",
 		"plugin/matching/implicit/" },
 	{ "plugin/surface/kernels/", "plugin/surface/skin/", "plugin/surface/crack_shapes/", "plugin/surface/crack_complex/",
-		"plugin/surface/crack_state/", "plugin/surface/crack_mesh/" },
+		"plugin/surface/crack_state/", "plugin/surface/crack_mesh/", "plugin/surface/render/" },
 	{ "plugin/body/levels/", "plugin/body/" },
 	{ "plugin/world/", "plugin/world/shape/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/", "plugin/world/respond/",
 		"plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/", "plugin/world/bodies/",

@@ -9,12 +9,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 namespace pliant {
 
 class TaskRunner;
 struct Lattice;
 struct SkinBinding;
+struct SkinTables;
 struct TemplateCache;
 class CellComplex;
 class CrackPatches;
@@ -151,6 +153,15 @@ public:
 	std::shared_ptr<const Lattice> sharedLattice() const;
 	std::shared_ptr<TemplateCache> cache() const;
 	const SkinBinding& skin() const;
+	/// Tangents at rest, 4 floats per vertex: the input's, or made of the texture coordinates at the first call; callable from several
+	/// threads. Null where the input had neither.
+	std::shared_ptr<const std::vector<float>> restTangents() const;
+	/// 3 floats per vertex, mesh coordinates, m; null with Skinning::None.
+	const float* inputPositions() const;
+	/// As the template was built, without pointers of the game.
+	const LatticeSettings& settings() const;
+	/// The skin's tables for the GPU, made at the first call; callable from several threads.
+	std::shared_ptr<const SkinTables> skinTables() const;
 	/// Everything that cracks can show, computed at the first call; callable from several threads. Null with Skinning::None or when memory
 	/// does not suffice: cracks are then not drawn.
 	std::shared_ptr<const CellComplex> crackComplex() const;

@@ -26,6 +26,10 @@ struct MeshView
 	const float* textureCoordinates = nullptr;
 	/// ... and a submesh number for each triangle, triangleCount values.
 	const std::uint32_t* submeshOfTriangle = nullptr;
+
+	/// Optional tangents for `tangents` (pliant/render/vertex_attributes.h), copied; null: computed from the texture coordinates when asked
+	/// for. 4 * vertexCount floats, finite (else NonFiniteVertex): x, y, z and the handedness, 1 or -1.
+	const float* tangents = nullptr;
 };
 
 } // namespace pliant

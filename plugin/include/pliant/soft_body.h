@@ -20,6 +20,7 @@ class btRigidBody;
 namespace pliant {
 
 class SoftBody;
+struct GpuSurfaceView;
 using SoftBodyResult = Result<std::unique_ptr<SoftBody>>;
 
 /// The skinned render mesh of a body. As long as nothing has broken, vertex i is the input mesh's vertex i. Cracks add vertices for their
@@ -225,6 +226,19 @@ public:
 	/// bodies of a world, and not during a step. The first call after a step also skins, on the world's threads, all bodies whose surface
 	/// was requested after the previous step.
 	SurfaceView surface() const;
+
+	/// The same skin as tables, which change only when something breaks or levels change, and node transforms for each frame: for a
+	/// renderer that skins on the GPU (pliant/render/gpu_surface.h). Bodies read by this call alone are not skinned on the CPU. Pointers
+	/// stay valid until the next step or the next call for this body. Empty with Skinning::None. To be called as `surface` is.
+	GpuSurfaceView gpuSurface() const;
+
+	/// Whether the drawn skin lies between the last two steps, by the time that stepSimulation has left over
+	/// (SoftBodyHost::interpolationFraction), as that of Bullet's motion states does: for games that draw more often than they step.
+	/// Applies to `surface` and `gpuSurface`, not to positions and contacts. Pieces inherit it. A body that is teleported, reset, asleep,
+	/// static or kinematic is drawn where it is. Default off, at no cost. Does not wake the body.
+	void setInterpolation( bool isOn );
+	/// Whether it does.
+	[[nodiscard]] bool interpolation() const;
 
 	/// Sets the largest error of a reused skin, in finest cells. Where all nodes have moved as one rigid body since the last full skinning,
 	/// up to this error, that skin is transformed rigidly; where they have not moved, the view and SurfaceView::frame stay the same. Errors

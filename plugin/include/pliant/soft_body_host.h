@@ -108,6 +108,14 @@ public:
 	/// belongs to the world is legal too. False for what is no fragment of this world's.
 	bool releaseFragment( SoftBody* fragment );
 
+	/// Where between the last two steps bodies with SoftBody::setInterpolation are drawn: 0 at the one before, 1 at the last.
+	/// stepSimulation sets it to the time left over, as a fraction of fixedTimeStep; to 1 with maxSubSteps 0, and where the world does not
+	/// interpolate (setLatencyMotionStateInterpolation). Games that divide time themselves set it before they draw; it counts until the
+	/// next stepSimulation. Clamped to 0 to 1; NaN counts as 1.
+	void setInterpolationFraction( btScalar fraction );
+	/// The fraction in force, 0 to 1; 1 before the first step.
+	[[nodiscard]] btScalar interpolationFraction() const;
+
 	/// Sets the soft substeps per step of 1/60 s while an explicit soft body is awake, clamped to 1 to 64, default 4. Stiff materials and
 	/// longer steps raise their number by themselves up to maxSoftSubsteps.
 	void setSoftSubsteps( int count );
@@ -180,6 +188,8 @@ protected:
 	/// False where the step cannot be made; cuts a time of more steps than can be counted.
 	bool beginTick( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep );
 	void endTick();
+	/// When Bullet brings motion states up to date: times in s, 0 for a step of the whole time.
+	void hostNoteTime( btScalar left, btScalar fixedTimeStep ) { setInterpolationFraction( fixedTimeStep > 0 ? left / fixedTimeStep : 1 ); }
 	void hostAdd( btCollisionObject* object, int group, int mask );
 	void hostRemove( btCollisionObject* object );
 	/// False for what stands in a manifold for a soft body's node: it is in no world.

@@ -117,6 +117,12 @@ public:
 		Base::clearForces();
 		endTick();
 	}
+	/// As Bullet's; skins of soft bodies with SoftBody::setInterpolation are drawn at the same time.
+	void synchronizeMotionStates() override
+	{
+		hostNoteTime( this->m_localTime, this->m_latencyMotionStateInterpolation ? this->m_fixedTimeStep : btScalar( 0 ) );
+		Base::synchronizeMotionStates();
+	}
 	/// Soft bodies are drawn as the links of their surface (DBG_DrawWireframe) and crosses at pinned nodes (DBG_DrawConstraints).
 	void debugDrawWorld() override
 	{

@@ -49,6 +49,14 @@ Status checkNumbers( const MeshView& mesh )
 			return { ResultCode::NonFiniteVertex, "Vertex " + std::to_string( i ) + " has a coordinate that is NaN or infinite." };
 		}
 	}
+	for ( std::size_t k = 0; mesh.tangents && k < 4 * mesh.vertexCount; ++k )
+	{
+		if ( !std::isfinite( mesh.tangents[k] ) )
+		{
+			return { ResultCode::NonFiniteVertex,
+				"The tangent of vertex " + std::to_string( k / 4 ) + " has a number that is NaN or infinite." };
+		}
+	}
 	for ( std::size_t k = 0; k < 3 * mesh.triangleCount; ++k )
 	{
 		if ( mesh.indices[k] >= mesh.vertexCount )

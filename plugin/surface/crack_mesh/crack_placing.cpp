@@ -86,13 +86,19 @@ void CrackSurface::listShading()
 	m_binding.shading.clear();
 	m_binding.shadedTriangles = m_binding.placed.empty() ? 0 : m_cellTriangle.back();
 	m_binding.shading.reserve( m_binding.shadedTriangles ); // each panel replaces several of them
+	m_binding.shadingPlace.clear();
+	m_binding.shadingPlaces = m_binding.shadedTriangles + std::uint32_t( m_complex->panels.count() );
 	for ( std::uint32_t cell = 0; cell < m_cell.size() && m_binding.shadedTriangles > 0; ++cell )
 	{
-		forSeparatePieces( cell, [this]( std::uint32_t t ) { m_binding.shading.push_back( m_triangle[t] ); } );
+		forSeparatePieces( cell, [this]( std::uint32_t t ) {
+			m_binding.shading.push_back( m_triangle[t] );
+			m_binding.shadingPlace.push_back( t );
+		} );
 	}
 	for ( const std::uint32_t panel : intactPanels() )
 	{
 		m_binding.shading.push_back( m_panelCorner[panel] );
+		m_binding.shadingPlace.push_back( m_binding.shadedTriangles + panel );
 	}
 }
 

@@ -33,6 +33,7 @@ void CrackGatherer::gather(
 	}
 	write( cells, shift, view, runner );
 	view.binding = &view.ownBinding;
+	view.growing = nullptr;
 	view.triangles = view.ownTriangles.data();
 	view.sources = view.ownSources.data();
 	view.texture = view.ownTexture.data();

@@ -19,12 +19,18 @@ struct CrackView
 	const std::uint32_t* sources = nullptr; ///< CrackSurface::sources
 	const float* texture = nullptr;         ///< u, v of each vertex
 	int triangleCount = 0;
-	CrackSurface::Change change; ///< since the last request; everything, where that was for other cells
+	const CrackSurface* growing = nullptr; ///< the surface that it borrows; null: it is its own
+	bool wantsKinds = false;               ///< its own surface lists ownKinds
+	CrackSurface::Change change;           ///< since the last request; everything, where that was for other cells
 
 	SkinBinding ownBinding;
 	std::vector<std::array<std::uint32_t, 3>> ownTriangles;
 	std::vector<std::uint32_t> ownSources;
 	std::vector<float> ownTexture;
+	std::vector<std::uint32_t> ownKinds; ///< by vertex: CrackSurface::kindOf
+
+	std::uint32_t kindOf( std::size_t vertex ) const { return growing ? growing->kindOf( std::uint32_t( vertex ) ) : ownKinds[vertex]; }
+	bool hasKinds() const { return growing || ownKinds.size() == binding->restPosition.size(); }
 };
 
 /// Assembles views from the patches of a body's cells, with intact panels as one triangle. Keeps its scratch between calls.

@@ -80,6 +80,7 @@ void CrackGatherer::makeArrays( CrackView& view ) const
 	resizeForOverwrite( to.point, m_count );
 	resizeForOverwrite( to.start, std::size_t( m_count ) + 1 );
 	resizeForOverwrite( view.ownTexture, 2 * std::size_t( m_count ) );
+	resizeForOverwrite( view.ownKinds, view.wantsKinds ? m_count : 0 );
 	resizeForOverwrite( view.ownSources, view.ownTriangles.size() + 1 ); // one more: see takeSources
 }
 
@@ -116,6 +117,10 @@ void CrackGatherer::writeVertices( const Vec3& shift, CrackView& view, std::size
 		to.point[k] = appearance.point;
 		view.ownTexture[2 * k] = appearance.u;
 		view.ownTexture[2 * k + 1] = appearance.v;
+	}
+	for ( std::size_t k = first; k < last && view.wantsKinds; ++k )
+	{
+		view.ownKinds[k] = patches.appearance[m_made[k].vertex].kind;
 	}
 	writeNormals( to, first, last );
 }

@@ -130,6 +130,7 @@ void SharedCrackState::showWhole( CrackView& view ) const
 	view.sources = m_whole->sources().data();
 	view.texture = m_texture.data();
 	view.triangleCount = int( m_whole->triangles().size() );
+	view.growing = m_whole.get();
 }
 
 std::size_t SharedCrackState::bytes() const

@@ -258,7 +258,7 @@ std::size_t CrackSurface::bytes() const
 		sizeOf( m_source ) + sizeOf( m_binding.node ) + sizeOf( m_binding.weight ) + sizeOf( m_binding.start ) +
 		sizeOf( m_binding.restPosition ) + sizeOf( m_binding.restNormal ) + sizeOf( m_binding.normalGroup ) + sizeOf( m_binding.carrier ) +
 		sizeOf( m_binding.point ) + sizeOf( m_binding.placed ) + sizeOf( m_binding.blended ) + sizeOf( m_binding.shading ) +
-		m_panels.bytes() + sizeOf( m_panelCorner ) + sizeOf( m_mark );
+		sizeOf( m_binding.shadingPlace ) + m_panels.bytes() + sizeOf( m_panelCorner ) + sizeOf( m_mark );
 }
 
 } // namespace pliant

@@ -75,6 +75,8 @@ public:
 	const std::vector<std::uint32_t>& sources() const { return m_source; }
 	/// By vertex: the input's vertex, or kNone for an added one.
 	std::uint32_t inputVertexOf( std::uint32_t vertex ) const;
+	/// A vertex of the complex; kInside and above for a vertex of a crack face.
+	std::uint32_t kindOf( std::uint32_t vertex ) const { return m_vertex[vertex].kind; }
 	/// A point of the complex and one of its sides. Vertices of equal result coincide, whatever their normals and texture coordinates.
 	std::pair<std::uint32_t, std::uint32_t> sideOf( std::uint32_t vertex ) const;
 	/// Writes u, v of the vertices from `first` on. Outside as in the input (0 where it has none); inside by position, with period
@@ -206,6 +208,7 @@ private:
 	void listShading();
 	std::uint32_t vertexOf( std::uint32_t kind ) const;
 	void drawIntactPanels( CrackView& view ) const;
+	void listKinds( CrackView& view ) const;
 
 	void addUnheld( std::vector<std::uint32_t>& added );
 	void splitGroups( const std::vector<std::uint32_t>& added );

@@ -290,6 +290,7 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 	// diagonal ).
 	m_frames = int( std::clamp( std::ceil( largest / ( kFadeStep * m_diagonal ) ), double( kFewestFrames ), double( kMostFrames ) ) );
 	m_frame = 0;
+	++m_offsetVersion;
 }
 
 float SkinFade::fraction() const
@@ -303,10 +304,11 @@ bool SkinFade::advance()
 	{
 		return false;
 	}
-	if ( ++m_frame >= m_frames )
+	if ( ++m_frame >= m_frames && !m_vertex.empty() )
 	{
 		m_vertex.clear();
 		m_offset.clear();
+		++m_offsetVersion;
 	}
 	for ( Group& group : m_group )
 	{
@@ -319,6 +321,7 @@ bool SkinFade::advance()
 
 void SkinFade::clear()
 {
+	m_offsetVersion += m_vertex.empty() ? 0 : 1;
 	m_group.clear();
 	m_vertex.clear();
 	m_offset.clear();
@@ -335,6 +338,19 @@ void SkinFade::addTo( float* packed, float* wide, const Eigen::Quaternionf& body
 			packed[3 * std::size_t( m_vertex[k] ) + std::size_t( axis )] += offset[axis];
 			wide[4 * std::size_t( m_vertex[k] ) + std::size_t( axis )] += offset[axis];
 		}
+	}
+}
+
+void SkinFade::spread( const SkinBinding& binding, std::vector<SkinOffset>& offsets ) const
+{
+	offsets.assign( binding.restPosition.size(), SkinOffset{} );
+	for ( std::size_t k = 0; k < m_vertex.size(); ++k )
+	{
+		std::copy_n( m_offset[k].data(), 3, offsets[m_vertex[k]].offset );
+	}
+	for ( std::size_t v = 0; v < binding.carrier.size(); ++v )
+	{
+		offsets[v] = offsets[binding.carrier[v]];
 	}
 }
 

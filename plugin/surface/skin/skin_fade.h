@@ -7,6 +7,7 @@
 // split node move apart faster than within a frame: the children's maps M_c start from a common map C,
 //   M'_c = ( 1 - s ) M_c + s C,   C: mass-weighted mean of M_c at the mean of their rest positions,   s from 1 to 0.
 
+#include "pliant/render/skin_tables.h"
 #include "surface/skin/skinning.h"
 
 namespace pliant {
@@ -48,6 +49,17 @@ public:
 	/// (SkinBinding::carrier) have offsets; other vertices copy from them.
 	void addTo( float* packed, float* wide, const Eigen::Quaternionf& body ) const;
 
+	/// Counts the changes of the offsets, apart from their fading.
+	unsigned offsetVersion() const { return m_offsetVersion; }
+	bool hasOffsets() const { return !m_vertex.empty(); }
+	/// Writes the offset of each vertex, in the body's frame and before it fades: that of its carrier.
+	void spread( const SkinBinding& binding, std::vector<SkinOffset>& offsets ) const;
+	/// What turns offsets into the world and lets them fade.
+	Eigen::Matrix3f offsetTurn( const Eigen::Quaternionf& body ) const { return fraction() * body.toRotationMatrix(); }
+	/// After `start`: the maps before the change, and those after it at the same positions.
+	const AlignedArray<float>& mapsBefore() const { return m_mapBefore; }
+	const AlignedArray<float>& mapsNow() const { return m_mapNow; }
+
 	std::size_t bytes() const;
 
 private:
@@ -73,6 +85,7 @@ private:
 	std::vector<Vec3> m_offset;          ///< by such vertex, in the body's frame, m
 	int m_frames = 1;                    ///< duration of the fade
 	int m_frame = 0;
+	unsigned m_offsetVersion = 0;
 };
 
 } // namespace pliant

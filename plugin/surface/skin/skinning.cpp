@@ -41,7 +41,7 @@ SkinView viewOf( const SkinBinding& binding, const SkinPose& pose, SkinScratch& 
 	view.node = binding.node.data();
 	view.weight = binding.weight.data();
 	view.slot = pose.slotOfCell;
-	view.map = scratch.nodeMap.data();
+	view.map = pose.maps ? pose.maps : scratch.nodeMap.data();
 	view.carrier = orNull( binding.carrier );
 	view.listed = orNull( binding.blended );
 	view.placed = reinterpret_cast<const SkinPosition*>( binding.placed.data() );
@@ -81,6 +81,17 @@ void growTo( AlignedArray<float>& array, std::size_t size )
 
 } // namespace
 
+void allSkinMaps( const NodeState& state, const SkinPose& pose, AlignedArray<float>& maps, TaskRunner* runner )
+{
+	maps.resize( std::size_t( state.count ) * kSkinMapFloats );
+	forChunks( std::size_t( state.count ), runner,
+		[&]( std::size_t first, std::size_t last ) { skinMaps( state, pose, maps.data(), int( first ), int( last ) ); } );
+	if ( pose.fade )
+	{
+		pose.fade->ease( state, maps.data() );
+	}
+}
+
 void skin( const SkinBinding& binding, const NodeState& state, const float* rotations, const SkinTriangles& triangles, SkinScratch& scratch,
 	float* positions, float* normals, TaskRunner* runner )
 {
@@ -97,15 +108,12 @@ void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& p
 		return;
 	}
 	const std::size_t vertices = binding.restPosition.size();
-	scratch.nodeMap.resize( std::size_t( state.count ) * kSkinMapFloats );
 	growTo( scratch.position, vertices * 4 );
 	growTo( scratch.turnedShift, binding.normalShift.size() * 4 );
 	growTo( scratch.groupNormal, std::size_t( binding.normalGroups ) * 4 );
-	forChunks( std::size_t( state.count ), runner,
-		[&]( std::size_t first, std::size_t last ) { skinMaps( state, pose, scratch.nodeMap.data(), int( first ), int( last ) ); } );
-	if ( pose.fade )
+	if ( !pose.maps )
 	{
-		pose.fade->ease( state, scratch.nodeMap.data() );
+		allSkinMaps( state, pose, scratch.nodeMap, runner );
 	}
 
 	const SkinView view = viewOf( binding, pose, scratch, positions, normals );

@@ -52,6 +52,9 @@ struct SkinBinding
 	/// Replaces the first shadedTriangles drawn triangles in the sums of normals: the same, with pieces of intact panels merged.
 	std::vector<std::array<std::uint32_t, 3>> shading;
 	std::uint32_t shadedTriangles = 0;
+	/// Of a surface that grows with its cracks: a number of each entry of `shading` that stays the same, below shadingPlaces. Empty: none.
+	std::vector<std::uint32_t> shadingPlace;
+	std::uint32_t shadingPlaces = 0;
 
 	/// Fills `blended`.
 	void listBlended();
@@ -97,6 +100,7 @@ struct SkinPose
 	const float* rotations = nullptr; ///< as above
 	const float* flow = nullptr;      ///< S_p of each node, 9 floats, row-major: its plastic deformation. Null: none
 	const float* gradients = nullptr; ///< F of each node, 9 floats, row-major: coarse nodes stretch the skin too. Null: rotations only
+	const float* maps = nullptr;      ///< kSkinMapFloats per node, eased: used instead of all above and the nodes. Null: to be computed
 	const std::uint32_t* slotOfCell = nullptr;                ///< by cell, the node that holds it; null where cells are nodes
 	const SkinFade* fade = nullptr;                           ///< offsets left by changes of levels; null: none
 	Eigen::Quaternionf body = Eigen::Quaternionf::Identity(); ///< the body's rotation, for `fade`
@@ -106,6 +110,9 @@ struct SkinPose
 void skinMaps( const NodeState& state, const SkinPose& pose, float* maps );
 /// The same for nodes first to last - 1, each at its own index in `maps`; ignores SkinPose::fade.
 void skinMaps( const NodeState& state, const SkinPose& pose, float* maps, int first, int last );
+
+/// The maps of all nodes, eased by SkinPose::fade, on the runner's threads.
+void allSkinMaps( const NodeState& state, const SkinPose& pose, AlignedArray<float>& maps, TaskRunner* runner = nullptr );
 
 /// `kernels`: all tables give the same bits.
 void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& pose, const SkinTriangles& triangles, SkinScratch& scratch,

@@ -16,5 +16,11 @@ bool SkinFade::advance()
 void SkinFade::clear() {}
 void SkinFade::ease( const NodeState&, float* ) const {}
 void SkinFade::addTo( float*, float*, const Eigen::Quaternionf& ) const {}
+void SkinFade::spread( const SkinBinding&, std::vector<SkinOffset>& ) const {}
+
+float SkinFade::fraction() const
+{
+	return 0.0f;
+}
 
 } // namespace pliant

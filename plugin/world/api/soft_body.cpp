@@ -262,4 +262,19 @@ int SoftBody::cellOfNode( int node ) const
 	return m_impl->hasNode( node ) ? int( m_impl->body->firstCellOfNode( node ) ) : -1;
 }
 
+void SoftBody::setInterpolation( bool isOn )
+{
+	SkinBuffers& skin = m_impl->skin;
+	if ( isOn != interpolation() )
+	{
+		skin.blend = isOn ? std::make_unique<StepBlend>() : nullptr;
+		skin.isStale = true;
+	}
+}
+
+bool SoftBody::interpolation() const
+{
+	return m_impl->skin.blend != nullptr;
+}
+
 } // namespace pliant

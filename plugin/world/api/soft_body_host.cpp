@@ -48,6 +48,16 @@ SoftBody* SoftBodyHost::softBody( int index ) const
 	return index >= 0 && index < int( bodies.size() ) ? bodies[std::size_t( index )] : nullptr;
 }
 
+void SoftBodyHost::setInterpolationFraction( btScalar fraction )
+{
+	m_step->bodies.drawnFraction = fraction >= 0 ? std::min( double( fraction ), 1.0 ) : fraction < 0 ? 0.0 : 1.0;
+}
+
+btScalar SoftBodyHost::interpolationFraction() const
+{
+	return btScalar( m_step->bodies.drawnFraction );
+}
+
 void SoftBodyHost::setSoftSubsteps( int count )
 {
 	m_step->bodies.substeps = std::clamp( count, 1, kLargestSubsteps );

@@ -206,7 +206,7 @@ void SoftBody::hasMoved()
 {
 	++m_impl->placements;
 	m_impl->wakeTouching( *this );
-	m_impl->skin.nodesMoved();
+	m_impl->skin.jumped();
 	m_impl->placeShape( *this );
 	if ( m_impl->system )
 	{

@@ -2,7 +2,7 @@
 
 #include "lattice/guarded_tasks.h"
 #include "surface/crack_shapes/cell_owners.h"
-#include "world/bodies/soft_body_impl.h"
+#include "world/api/drawn_mesh.h"
 #include "world/step/soft_body_system.h"
 
 #include <algorithm>
@@ -81,6 +81,7 @@ void SoftBody::Impl::drawFamilyCracks() const
 void SoftBody::Impl::drawCracks( TaskRunner* runner ) const
 {
 	crackView = crackView ? std::move( crackView ) : std::make_unique<CrackView>();
+	crackView->wantsKinds = skin.vertexData != nullptr;
 	if ( crackFamily )
 	{
 		const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
@@ -95,19 +96,35 @@ void SoftBody::Impl::drawCracks( TaskRunner* runner ) const
 	skin.rigid.forget();
 }
 
+void SoftBody::Impl::wantKinds() const
+{
+	skin.vertexData = skin.vertexData ? std::move( skin.vertexData ) : std::make_unique<VertexData>();
+	if ( shownCracks() && !crackView->hasKinds() )
+	{
+		const unsigned before = crackVersionBefore;
+		drawCracks(); // again: the same
+		crackVersionBefore = before;
+	}
+}
+
 void SoftBody::Impl::showOwnCracks() const
 {
-	const std::shared_ptr<const CellComplex> complex = bodyTemplate->crackComplex();
-	const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
-	CrackSurface cracks( complex, body->firstCells(), body->lattice(), shift );
-	if ( cuts )
+	pliant::showOwnCracks( *this, bodyTemplate->crackComplex(), bodyTemplate->textureCoordinates(), *crackView );
+}
+
+void showOwnCracks( const SoftBody::Impl& impl, const std::shared_ptr<const CellComplex>& complex, const float* texture, CrackView& view )
+{
+	const Body& body = *impl.body;
+	const Vec3 shift = ( body.lattice().massCentre - impl.bodyTemplate->lattice().massCentre ).cast<float>();
+	CrackSurface cracks( complex, body.firstCells(), body.lattice(), shift );
+	if ( impl.cuts )
 	{
 		BladePath path( complex );
-		cracks.follow( path, path.add( openCuts( *cuts, *body ) ) );
+		cracks.follow( path, path.add( openCuts( *impl.cuts, body ) ) );
 	}
-	std::vector<float> texture( 2 * std::size_t( cracks.vertexCount() ) );
-	cracks.textureCoordinates( bodyTemplate->textureCoordinates(), 0, texture.data() );
-	cracks.showPanelsAsOne( texture.data(), *crackView );
+	std::vector<float> coordinates( 2 * std::size_t( cracks.vertexCount() ) );
+	cracks.textureCoordinates( texture, 0, coordinates.data() );
+	cracks.showPanelsAsOne( coordinates.data(), view );
 }
 
 /// All pieces of one body share the cuts, so that both sides of a crack draw a point at the same position.
@@ -155,7 +172,7 @@ Status SoftBody::prepareCracks()
 void SoftBody::Impl::noteCracks( const BreakReport& report )
 {
 	const std::vector<std::uint32_t>& first = body->firstCells();
-	if ( skin.frame > 0 ) // its skin has been read
+	if ( skin.isRead() )
 	{
 		makeSharedCrackState();
 	}

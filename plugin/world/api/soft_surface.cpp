@@ -101,23 +101,22 @@ SkinPose SoftBody::Impl::skinPose() const
 
 void SoftBody::Impl::keepSurface()
 {
-	if ( skin.frame > 0 ) // else the skin has never been read
+	if ( skin.isRead() )
 	{
-		const bool areMapsThere = !skin.isStale && skin.isMapKnown;
-		skin.fade.keep( body->nodes(), skinPose(), body->lattice().cellCount(), areMapsThere ? &skin.maps : nullptr );
+		skin.fade.keep( body->nodes(), skinPose(), body->lattice().cellCount(), skin.isMapKnown ? &skin.maps : nullptr );
 	}
 }
 
 // If the body has cracked since its skin was last read there is no matching surface to fade from: the skin then changes at once.
 void SoftBody::Impl::fadeFromKeptSurface()
 {
-	if ( skin.frame > 0 && hasNewCracks() )
+	const LevelChange& change = body->levels()->lastChange();
+	if ( skin.isRead() && hasNewCracks() )
 	{
 		skin.fade.clear();
 	}
-	else if ( skin.frame > 0 )
+	else if ( skin.isRead() )
 	{
-		const LevelChange& change = body->levels()->lastChange();
 		skin.nodesChanged();
 		measureRotations( *body, skin );
 		followGradients( *body, skin );
@@ -127,9 +126,14 @@ void SoftBody::Impl::fadeFromKeptSurface()
 		nodes.complex = shown.point.empty() ? nullptr : bodyTemplate->crackComplex().get();
 		nodes.cellsInComplex = &body->firstCells();
 		skin.fade.start( shown, nodes );
+		if ( skin.blend )
+		{
+			skin.blend->kept.followLevels( change.source, skin.fade.mapsBefore(), skin.fade.mapsNow() );
+		}
 		return;
 	}
 	skin.nodesChanged();
+	skin.blend ? skin.blend->kept.renumber( change.source ) : void();
 }
 
 namespace {
@@ -164,10 +168,12 @@ SkinTriangles SoftBody::Impl::shownTriangles() const
 
 void SoftBody::Impl::drawSkin( TaskRunner* runner ) const
 {
-	if ( !rotateSkin( runner ) )
+	const double fraction = drawnFraction();
+	if ( fraction != 1.0 || !rotateSkin( runner ) )
 	{
 		skinInFull( runner );
 	}
+	skin.fraction = fraction;
 	skin.isStale = false;
 }
 
@@ -204,16 +210,14 @@ void SoftBody::Impl::skinInFull( TaskRunner* runner ) const
 	}
 	skin.positions[next].resize( shown.restPosition.size() * 3 );
 	skin.normals[next].resize( shown.restPosition.size() * 3 );
+	pose.maps = drawnMaps( runner ).data();
 	const SkinScratchPool::Borrowed scratch( system ? &system->skinScratch : nullptr );
-	( *scratch ).nodeMap.swap( skin.maps );
 	pliant::skin( shown, body->nodes(), pose, shownTriangles(), *scratch, skin.positions[next].data(), skin.normals[next].data(), runner );
-	( *scratch ).nodeMap.swap( skin.maps );
 	skin.origin[next] = worldOrigin();
 	skin.current = skin.full = next;
 	++skin.frame;
-	skin.isMapKnown = true;
 	skin.rigid.forget();
-	if ( skin.tolerance > 0.0 && !pose.fade && !isSparselyDrawn( body->nodeCount(), shown.restPosition.size() ) )
+	if ( skin.tolerance > 0.0 && !pose.fade && drawnFraction() == 1.0 && !isSparselyDrawn( body->nodeCount(), shown.restPosition.size() ) )
 	{
 		skin.rigid.keep( body->nodes(), pose.rotations, pose.flow, pose.gradients != nullptr );
 	}
@@ -229,17 +233,24 @@ btScalar SoftBody::surfaceTolerance() const
 	return btScalar( m_impl->skin.tolerance );
 }
 
+const SkinBinding& SoftBody::Impl::currentBinding() const
+{
+	double discarded = 0.0; // time of a body that is in no world
+	if ( hasNewCracks() )
+	{
+		Stopwatch watch( system ? system->report.fracture : discarded );
+		drawFamilyCracks();
+		return binding();
+	}
+	return binding();
+}
+
 SurfaceView SoftBody::surface() const
 {
 	SurfaceView view;
 	const Impl& impl = *m_impl;
-	double discarded = 0.0; // times of a body that is in no world
-	const auto drawnCracks = [&]() -> const SkinBinding& {
-		Stopwatch watch( impl.system ? impl.system->report.fracture : discarded );
-		impl.drawFamilyCracks();
-		return impl.binding();
-	};
-	const SkinBinding& binding = impl.hasNewCracks() ? drawnCracks() : impl.binding();
+	double discarded = 0.0; // as above
+	const SkinBinding& binding = impl.currentBinding();
 	if ( binding.kind == Skinning::None )
 	{
 		return view;
@@ -251,7 +262,7 @@ SurfaceView SoftBody::surface() const
 	{
 		impl.system->noteSkinRequest( *this );
 	}
-	if ( skinBuffers.isStale )
+	if ( impl.isSkinStale() )
 	{
 		Stopwatch watch( impl.system ? impl.system->report.skinning : discarded );
 		impl.drawSkin( impl.system ? impl.system->tasks() : nullptr );
@@ -291,7 +302,7 @@ void SoftBodySystem::noteSkinRequest( const SoftBody& requested )
 		const SoftBody::Impl& impl = body->impl();
 		// New cracks are not drawn in advance: that takes memory, and its time is counted as fracture.
 		const bool isWanted = body == &requested || ( before > 0 && impl.skin.requestedIn == before );
-		if ( isWanted && impl.skin.isStale && !impl.hasNewCracks() && impl.binding().kind != Skinning::None )
+		if ( isWanted && impl.isSkinStale() && !impl.hasNewCracks() && impl.binding().kind != Skinning::None )
 		{
 			m_stale.push_back( body );
 			vertices += (long long)( impl.binding().restPosition.size() );

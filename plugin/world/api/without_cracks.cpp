@@ -2,7 +2,7 @@
 
 #include "body/breaking.h"
 #include "lattice/features.h"
-#include "world/bodies/soft_body_impl.h"
+#include "world/api/drawn_mesh.h"
 
 namespace pliant {
 
@@ -17,6 +17,12 @@ const SkinBinding& SoftBody::Impl::binding() const
 }
 
 void SoftBody::Impl::drawFamilyCracks() const {}
+void SoftBody::Impl::wantKinds() const
+{
+	skin.vertexData = skin.vertexData ? std::move( skin.vertexData ) : std::make_unique<VertexData>();
+}
+
+void showOwnCracks( const SoftBody::Impl&, const std::shared_ptr<const CellComplex>&, const float*, CrackView& ) {}
 
 void SoftBody::Impl::noteCracks( const BreakReport& )
 {

@@ -95,6 +95,10 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
 	pins = pinsOf( pins, nodeNow );
 	allowance = PenetrationAllowance::of( allowance, piece.nodeBefore );
 	nearNodes.clear();
+	if ( skin.blend )
+	{
+		skin.blend->kept.renumber( piece.nodeBefore, piece.body->lattice().massCentre - body->lattice().massCentre );
+	}
 	body = std::move( piece.body );
 	const bool keepsNumbers = keepsNodes && std::is_sorted( nodeNow.begin(), nodeNow.end() );
 	if ( !remains.keepsShape || !keepsNumbers )
@@ -136,12 +140,19 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	impl.gravity = from.gravity;
 	impl.hasNodeForces = from.hasNodeForces;
 	impl.pins = pinsOf( from.pins, numbersNow( piece, from.body->nodeCount() ) );
+	if ( from.skin.blend )
+	{
+		const Vec3d shift = piece.body->lattice().massCentre - from.body->lattice().massCentre;
+		impl.skin.blend = std::make_unique<StepBlend>();
+		impl.skin.blend->kept = from.skin.blend->kept.ofPiece( piece.nodeBefore, shift );
+	}
 	impl.body = std::move( piece.body );
 	impl.fractureVersion = from.fractureVersion + 1;
 	impl.crackFamily = from.crackFamily;
 	impl.wasDrawn = from.isDrawn();
 	impl.cuts = from.cuts;
 	impl.skin.tolerance = from.skin.tolerance;
+	impl.skin.vertexData = from.skin.vertexData ? std::make_unique<VertexData>() : nullptr;
 	impl.fading = from.fading;
 	impl.self = from.self ? std::make_unique<SelfCollision>() : nullptr;
 	const Fracture& settings = impl.body->fracture();

@@ -212,6 +212,7 @@ void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& 
 	else
 	{
 		skin.nodesChanged();
+		skin.blend ? skin.blend->kept.renumber( done.source ) : void();
 	}
 }
 

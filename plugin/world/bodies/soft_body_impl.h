@@ -6,6 +6,9 @@
 #include "body/breaking.h"
 #include "pliant/soft_body.h"
 #include "surface/crack_mesh/shared_crack_state.h"
+#include "surface/render/skin_blend.h"
+#include "surface/render/skin_tables.h"
+#include "surface/render/vertex_data.h"
 #include "surface/skin/rigid_skin.h"
 #include "surface/skin/skin_fade.h"
 #include "surface/skin/skinning.h"
@@ -44,6 +47,26 @@ struct Pin
 	bool hasTarget = false;                 ///< Driven: the target has not been reached yet
 };
 
+/// What SoftBody::gpuSurface has published.
+struct GpuSkin
+{
+	SkinTableStreams tables;
+	const SkinBinding* binding = nullptr; ///< whose tables they are
+	bool isShown = false;                 ///< the tables have been made
+	unsigned fractureVersion = 0, levelVersion = 0, offsetVersion = 0;
+	unsigned frame = 0, mapVersion = 0; ///< SkinBuffers::mapVersion of the frame
+	double fraction = 1.0;              ///< between steps, of the frame
+};
+
+/// What SoftBody::setInterpolation needs.
+struct StepBlend
+{
+	SkinBlend kept;           ///< maps at the start of the last step
+	AlignedArray<float> maps; ///< between the steps
+	unsigned mapVersion = 0;  ///< that `maps` were made of
+	double fraction = -1.0;   ///< of `maps`; -1: none yet
+};
+
 struct SkinBuffers
 {
 	/// The shown skin, the one shown before it, and for rigidly moving bodies the last fully computed one.
@@ -51,9 +74,13 @@ struct SkinBuffers
 	std::vector<float> positions[kCount], normals[kCount];
 	btVector3 origin[kCount] = { btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
 	std::vector<float> rotations, gradients, flow;
-	std::vector<float> gradientsScratch; ///< for changes of levels
-	AlignedArray<float> maps;            ///< SkinScratch::nodeMap of the shown skin
-	SkinFade fade;                       ///< for bodies with levels
+	std::vector<float> gradientsScratch;    ///< for changes of levels
+	AlignedArray<float> maps;               ///< SkinScratch::nodeMap of the shown skin
+	std::unique_ptr<GpuSkin> gpu;           ///< null: never asked for
+	std::unique_ptr<StepBlend> blend;       ///< null: no interpolation between steps
+	std::unique_ptr<VertexData> vertexData; ///< null: neither sources nor tangents were asked for
+	double fraction = 1.0;                  ///< between steps, of the shown skin
+	SkinFade fade;                          ///< for bodies with levels
 	RigidSkin rigid;
 	double tolerance = kSurfaceTolerance; ///< in cells
 	int current = 0;
@@ -64,7 +91,16 @@ struct SkinBuffers
 	bool areRotationsKnown = false; ///< rotations and flow are up to date
 	bool isPoseKnown = false;       ///< gradients are up to date too
 	bool isMapKnown = false;        ///< `maps` are up to date too
+	unsigned mapVersion = 0;        ///< counts the changes of `maps`
 
+	/// Whether the surface has ever been read, by whichever call.
+	bool isRead() const { return frame > 0 || gpu; }
+	/// The body has been moved at once: nothing lies between its last two positions.
+	void jumped()
+	{
+		nodesMoved();
+		blend ? blend->kept.forget() : void();
+	}
 	void nodesMoved()
 	{
 		isStale = true;
@@ -217,6 +253,13 @@ struct SoftBody::Impl
 	void placeShape( btCollisionObject& object );
 	/// Returns the node transforms that the skin follows. Valid until the next call.
 	SkinPose skinPose() const;
+	/// Where between the last two steps the body is drawn; 1: as it is.
+	double drawnFraction() const;
+	bool isSkinStale() const { return skin.isStale || skin.fraction != drawnFraction(); }
+	/// Returns the maps of the nodes as they are drawn, computed if necessary. Valid until the next call.
+	const AlignedArray<float>& drawnMaps( TaskRunner* runner ) const;
+	/// Call at the start of a game step, with interpolation: keeps what is drawn now. `moves`: the body takes part in the step.
+	void keepDrawn( bool moves );
 	/// Call before and after a change of levels: saves the surface if it is drawn, then starts to fade out its jump.
 	void keepSurface();
 	void fadeFromKeptSurface();
@@ -224,6 +267,8 @@ struct SoftBody::Impl
 	/// the surface is faded out.
 	void changeNodes( SoftBody& owner, const std::function<void()>& change, bool fades = true );
 	const SkinBinding& binding() const;
+	/// The same; draws new cracks of all bodies of the family.
+	const SkinBinding& currentBinding() const;
 	const CrackView* shownCracks() const; ///< null: the template's mesh is drawn
 	SkinTriangles shownTriangles() const;
 	/// Computes the current skin into a buffer that is not in use.
@@ -234,7 +279,9 @@ struct SoftBody::Impl
 	void showOwnCracks() const;
 	void drawCracks( TaskRunner* runner = nullptr ) const;
 	void drawFamilyCracks() const;
-	bool isDrawn() const { return wasDrawn || skin.frame > 0; }
+	/// Makes the shown cracks tell what their vertices come from (CrackView::kindOf).
+	void wantKinds() const;
+	bool isDrawn() const { return wasDrawn || skin.isRead(); }
 	/// Adds the new cuts to those of the family. Call before adopt().
 	void noteCuts();
 	void makeSharedCrackState();

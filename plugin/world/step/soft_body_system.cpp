@@ -87,12 +87,29 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 		SoftBody::Impl& impl = body->impl();
 		impl.plan = planOf( *body, gameStep, substepsOf( *body ) );
 		impl.body->openLevelBudget();
-		impl.skin.isStale = impl.skin.fade.advance() || impl.skin.isStale;
+		if ( impl.skin.fade.advance() )
+		{
+			impl.skin.isStale = true;
+			impl.skin.isMapKnown = false;
+		}
 		report.awakeSoftBodies += moves( *body ) ? 1 : 0;
 		report.implicitBodies += moves( *body ) && stepsImplicitly( *body ) ? 1 : 0;
 		report.quarantined += impl.isHealthy ? 0 : 1;
 		report.unreachableStiffness += impl.plan.reachable ? 0 : 1;
 	}
+	keepDrawn();
+}
+
+void SoftBodySystem::keepDrawn()
+{
+	m_stale.clear();
+	std::copy_if( m_bodies.begin(), m_bodies.end(), std::back_inserter( m_stale ),
+		[]( const SoftBody* body ) { return body->impl().skin.blend != nullptr; } );
+	auto keep = [this]( int k ) {
+		SoftBody& body = *m_stale[std::size_t( k )];
+		body.impl().keepDrawn( moves( body ) );
+	};
+	runTasks( m_stale.empty() ? nullptr : tasks(), int( m_stale.size() ), keep );
 }
 
 bool SoftBodySystem::stepsImplicitly( const SoftBody& body ) const

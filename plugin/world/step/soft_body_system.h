@@ -122,6 +122,7 @@ public:
 	ContactProxyPool pool;
 	PairScratch pairScratch;
 	SkinScratchPool skinScratch;
+	double drawnFraction = 1.0; ///< SoftBodyHost::interpolationFraction
 	std::unique_ptr<TaskRunner> ownRunner;
 	TaskRunner* runner = nullptr; ///< the game's, or null
 	/// Returns the game's runner, or this world's own if the game has set none.
@@ -131,6 +132,7 @@ public:
 private:
 	bool moves( const SoftBody& body ) const;
 	void moveHeldBodies();
+	void keepDrawn(); ///< what SoftBody::setInterpolation blends with
 	ImplicitSolve& implicitSolve() { return m_implicit[int( m_pass )]; }
 	/// Returns the number of substeps that the body takes in the game step.
 	int substepsOf( const SoftBody& body ) const;

@@ -1,0 +1,30 @@
+#pragma once
+
+// What the skins of a body have in common, whether of its template's mesh or of another.
+
+#include "pliant/render/gpu_surface.h"
+#include "world/bodies/soft_body_impl.h"
+
+namespace pliant {
+
+class CellComplex;
+
+/// Draws the cracks of a body from its own links, along the cuts that it has had.
+void showOwnCracks( const SoftBody::Impl& impl, const std::shared_ptr<const CellComplex>& complex, const float* texture, CrackView& view );
+
+/// A mesh as it is drawn now.
+struct DrawnMesh
+{
+	const SkinBinding& binding;
+	SkinTriangles triangles;
+	std::shared_ptr<const SkinTables> whole; ///< null: the body is cracked
+	bool grows = false;                      ///< the cracked surface grows from one call to the next, at the same place
+	bool hasOffsets = true;                  ///< those of the body's fade
+	const float* texture = nullptr;
+	const std::uint32_t* sources = nullptr;
+};
+
+/// Brings tables and transforms up to date.
+GpuSurfaceView gpuView( const SoftBody::Impl& impl, const DrawnMesh& mesh, GpuSkin& gpu );
+
+} // namespace pliant

@@ -1,0 +1,275 @@
+// Further render meshes of a body. Broken ones are drawn from the body's own links, as bodies that were not drawn before they broke.
+
+#include "pliant/render/render_mesh.h"
+
+#include "body/levels/levels.h"
+#include "lattice/build/build_lattice.h"
+#include "lattice/features.h"
+#include "lattice/mesh/weld.h"
+#include "surface/crack_complex/cell_complex.h"
+#include "surface/render/vertex_data.h"
+#include "world/api/drawn_mesh.h"
+#include "world/step/soft_body_system.h"
+
+#include <mutex>
+#include <new>
+#include <stdexcept>
+
+namespace pliant {
+
+struct RenderMesh::Data
+{
+	std::shared_ptr<const BodyTemplate> bodyTemplate;
+	std::vector<float> positions, textureCoordinates;
+	std::vector<std::uint32_t> indices;
+	SkinBinding binding;
+
+	// Made when they are asked for.
+	mutable std::mutex mutex;
+	mutable std::shared_ptr<const SkinTables> tables;
+	mutable bool hasTriedCracks = false;
+	mutable std::shared_ptr<const CellComplex> complex;
+
+	MeshView view() const
+	{
+		MeshView mesh{ positions.data(), positions.size() / 3, 3, indices.data(), indices.size() / 3 };
+		mesh.textureCoordinates = texture();
+		return mesh;
+	}
+	const float* texture() const { return textureCoordinates.empty() ? nullptr : textureCoordinates.data(); }
+	SkinTriangles triangles() const { return { indices.data(), int( indices.size() / 3 ) }; }
+	std::shared_ptr<const SkinTables> skinTables() const
+	{
+		const std::lock_guard<std::mutex> lock( mutex );
+		tables = tables ? tables : std::make_shared<const SkinTables>( makeSkinTables( binding, triangles() ) );
+		return tables;
+	}
+	/// Null: cracks of this mesh cannot be computed.
+	std::shared_ptr<const CellComplex> crackComplex() const
+	{
+		const std::lock_guard<std::mutex> lock( mutex );
+		if ( !hasTriedCracks && hasFeature( Feature::Fracture ) )
+		{
+			const LatticeSettings& settings = bodyTemplate->settings();
+			complex = CellComplex::build( view(), bodyTemplate->lattice(), binding, settings, settings.cracks ).value;
+		}
+		hasTriedCracks = true;
+		return complex;
+	}
+};
+
+RenderMesh::RenderMesh() : m_data( std::make_unique<Data>() ) {}
+
+RenderMesh::~RenderMesh() = default;
+
+Result<std::shared_ptr<const RenderMesh>> RenderMesh::bind( std::shared_ptr<const BodyTemplate> bodyTemplate, const MeshView& mesh )
+{
+	using Answer = Result<std::shared_ptr<const RenderMesh>>;
+	if ( Status status = requireFeature( Feature::Surface ); !status.ok() )
+	{
+		return Answer{ std::move( status ), nullptr };
+	}
+	if ( !bodyTemplate )
+	{
+		return Answer::failure( ResultCode::BadArgument, "RenderMesh::bind: the template must not be null." );
+	}
+	try
+	{
+		WeldedMesh welded;
+		BuildReport report;
+		if ( Status status = weldMesh( mesh, bodyTemplate->settings(), welded, report ); !status.ok() )
+		{
+			return Answer{ std::move( status ), nullptr };
+		}
+		const std::shared_ptr<RenderMesh> made( new RenderMesh );
+		Data& data = *made->m_data;
+		for ( std::size_t i = 0; i < mesh.vertexCount; ++i )
+		{
+			const float* const p = mesh.positions + i * mesh.positionStride;
+			data.positions.insert( data.positions.end(), p, p + 3 );
+		}
+		data.indices.assign( mesh.indices, mesh.indices + 3 * mesh.triangleCount );
+		if ( mesh.textureCoordinates )
+		{
+			data.textureCoordinates.assign( mesh.textureCoordinates, mesh.textureCoordinates + 2 * mesh.vertexCount );
+		}
+		const Skinning kind = bodyTemplate->settings().skinning;
+		data.binding = bindSkin(
+			data.view(), bodyTemplate->lattice(), welded.weldedVertex, kind == Skinning::None ? Skinning::NearbyNodes : kind );
+		data.bodyTemplate = std::move( bodyTemplate );
+		return Answer::success( made );
+	}
+	catch ( const std::bad_alloc& )
+	{
+		return Answer{ outOfMemory(), nullptr };
+	}
+	catch ( const std::length_error& )
+	{
+		return Answer{ outOfMemory(), nullptr };
+	}
+}
+
+int RenderMesh::vertexCount() const
+{
+	return int( m_data->positions.size() / 3 );
+}
+
+int RenderMesh::triangleCount() const
+{
+	return int( m_data->indices.size() / 3 );
+}
+
+const BodyTemplate& RenderMesh::bodyTemplate() const
+{
+	return *m_data->bodyTemplate;
+}
+
+// === A mesh on a body ===
+
+struct RenderSkin::Impl
+{
+	std::shared_ptr<const RenderMesh> mesh;
+	CrackView cracks;
+	bool isShown = false, isCracked = false, areSourcesKnown = false;
+	unsigned fractureVersion = 0; ///< of the body, as it is drawn
+	std::vector<float> positions[2], normals[2];
+	btVector3 origin = btVector3( 0, 0, 0 );
+	int current = 0;
+	unsigned frame = 0, mapVersion = 0; ///< SkinBuffers::mapVersion of the frame
+	double fraction = 1.0;
+	SkinScratch scratch;
+	GpuSkin gpu;
+	std::vector<VertexSource> sources;
+
+	const SkinBinding& binding() const { return isCracked ? *cracks.binding : mesh->data().binding; }
+	SkinTriangles triangles() const
+	{
+		return isCracked ? SkinTriangles{ cracks.triangleCount > 0 ? cracks.triangles->data() : nullptr, cracks.triangleCount }
+						 : mesh->data().triangles();
+	}
+
+	/// Brings cracks up to date. False where nothing can be drawn.
+	bool follow( const SoftBody& body )
+	{
+		const SoftBody::Impl& impl = body.impl();
+		if ( impl.bodyTemplate != mesh->data().bodyTemplate )
+		{
+			return false;
+		}
+		if ( isShown && fractureVersion == impl.fractureVersion )
+		{
+			return true;
+		}
+		isCracked = !impl.body->firstCells().empty();
+		const std::shared_ptr<const CellComplex> complex = isCracked ? mesh->data().crackComplex() : nullptr;
+		if ( isCracked && !complex )
+		{
+			return false;
+		}
+		if ( isCracked )
+		{
+			cracks.wantsKinds = true;
+			showOwnCracks( impl, complex, mesh->data().texture(), cracks );
+		}
+		isShown = true;
+		fractureVersion = impl.fractureVersion;
+		areSourcesKnown = false;
+		mapVersion = 0;
+		return true;
+	}
+};
+
+RenderSkin::RenderSkin() : m_impl( std::make_unique<Impl>() ) {}
+
+RenderSkin::~RenderSkin() = default;
+
+Result<std::unique_ptr<RenderSkin>> RenderSkin::create( std::shared_ptr<const RenderMesh> mesh )
+{
+	using Answer = Result<std::unique_ptr<RenderSkin>>;
+	if ( !mesh )
+	{
+		return Answer::failure( ResultCode::BadArgument, "RenderSkin::create: the mesh must not be null." );
+	}
+	try
+	{
+		std::unique_ptr<RenderSkin> made( new RenderSkin );
+		made->m_impl->mesh = std::move( mesh );
+		return Answer::success( std::move( made ) );
+	}
+	catch ( const std::bad_alloc& )
+	{
+		return Answer{ outOfMemory(), nullptr };
+	}
+}
+
+SurfaceView RenderSkin::surface( const SoftBody& body )
+{
+	Impl& own = *m_impl;
+	if ( !own.follow( body ) )
+	{
+		return {};
+	}
+	const SoftBody::Impl& impl = body.impl();
+	TaskRunner* const runner = impl.system ? impl.system->tasks() : nullptr;
+	const SkinBinding& binding = own.binding();
+	const AlignedArray<float>& maps = impl.drawnMaps( runner );
+	if ( own.mapVersion != impl.skin.mapVersion || own.fraction != impl.drawnFraction() )
+	{
+		own.current = 1 - own.current;
+		std::vector<float>&positions = own.positions[own.current], &normals = own.normals[own.current];
+		positions.resize( 3 * binding.restPosition.size() );
+		normals.resize( positions.size() );
+		SkinPose pose;
+		pose.maps = maps.data();
+		pose.slotOfCell = impl.body->levels() ? impl.body->levels()->cut().slotOfCell.data() : nullptr;
+		skin( binding, impl.body->nodes(), pose, own.triangles(), own.scratch, positions.data(), normals.data(), runner );
+		own.origin = impl.worldOrigin();
+		own.mapVersion = impl.skin.mapVersion;
+		own.fraction = impl.drawnFraction();
+		++own.frame;
+	}
+	SurfaceView view;
+	view.origin = own.origin;
+	view.positions = own.positions[own.current].data();
+	view.normals = own.normals[own.current].data();
+	view.indices = own.triangles().indices;
+	view.textureCoordinates = own.isCracked ? own.cracks.texture : own.mesh->data().texture();
+	view.triangleSource = own.isCracked ? own.cracks.sources : nullptr;
+	view.vertexCount = int( binding.restPosition.size() );
+	view.triangleCount = own.triangles().count;
+	view.topologyVersion = own.fractureVersion;
+	view.changedSince = own.fractureVersion;
+	view.frame = own.frame;
+	return view;
+}
+
+GpuSurfaceView RenderSkin::gpuSurface( const SoftBody& body )
+{
+	Impl& own = *m_impl;
+	if ( !own.follow( body ) )
+	{
+		return {};
+	}
+	DrawnMesh mesh{ own.binding(), own.triangles(), own.isCracked ? nullptr : own.mesh->data().skinTables() };
+	mesh.hasOffsets = false;
+	mesh.texture = own.isCracked ? own.cracks.texture : own.mesh->data().texture();
+	mesh.sources = own.isCracked ? own.cracks.sources : nullptr;
+	return gpuView( body.impl(), mesh, own.gpu );
+}
+
+VertexSourceView RenderSkin::vertexSources( const SoftBody& body )
+{
+	Impl& own = *m_impl;
+	if ( !own.follow( body ) )
+	{
+		return {};
+	}
+	if ( !own.areSourcesKnown )
+	{
+		own.sources = own.isCracked ? sourcesOf( own.cracks, *own.mesh->data().crackComplex() ) : std::vector<VertexSource>();
+		own.areSourcesKnown = true;
+	}
+	return { own.sources.empty() ? nullptr : own.sources.data(), int( own.binding().restPosition.size() ), own.fractureVersion };
+}
+
+} // namespace pliant
