@@ -45,21 +45,15 @@ std::uint32_t CrackSurface::vertexOf( std::uint32_t kind ) const
 	return vertex;
 }
 
-/// By drawn vertex: what it shows.
-void CrackSurface::listKinds( CrackView& view ) const
-{
-	view.ownKinds.clear();
-	for ( const Vertex& vertex : m_vertex )
-	{
-		view.wantsKinds && !m_panels.isSpared( m_point[vertex.point] ) ? view.ownKinds.push_back( vertex.kind ) : void();
-	}
-}
-
 /// Draws the pieces outside intact panels, then the intact panels, with vertices of the body.
 void CrackSurface::drawIntactPanels( CrackView& view ) const
 {
 	view.growing = nullptr;
-	listKinds( view );
+	view.ownKinds.clear();
+	for ( std::size_t v = 0; v < m_vertex.size() && view.wantsKinds; ++v )
+	{
+		m_panels.isSpared( m_point[m_vertex[v].point] ) ? void() : view.ownKinds.push_back( m_vertex[v].kind );
+	}
 	view.ownTriangles.clear();
 	view.ownSources.clear();
 	for ( std::uint32_t cell = 0; cell < m_cell.size(); ++cell )

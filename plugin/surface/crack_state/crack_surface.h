@@ -208,7 +208,6 @@ private:
 	void listShading();
 	std::uint32_t vertexOf( std::uint32_t kind ) const;
 	void drawIntactPanels( CrackView& view ) const;
-	void listKinds( CrackView& view ) const;
 
 	void addUnheld( std::vector<std::uint32_t>& added );
 	void splitGroups( const std::vector<std::uint32_t>& added );
