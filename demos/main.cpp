@@ -22,6 +22,7 @@ struct Arguments
 	bool window = false;
 	bool noRender = false;
 	bool awake = false;
+	bool compareSkins = false;
 };
 
 void describe( CLI::App& app, Arguments& to )
@@ -39,6 +40,9 @@ void describe( CLI::App& app, Arguments& to )
 		->check( CLI::Range( 1.0, 4.0 ) )
 		->capture_default_str();
 	app.add_flag( "--nodes", to.run.showNodes, "Draw nodes instead of skins" );
+	app.add_flag( "--gpu-skin", to.run.stage.gpuSkin, "Leave skins to the graphics card" );
+	app.add_flag(
+		"--compare-skins", to.compareSkins, "Draw each frame both ways and compare; no files but of the frame that differs most" );
 	app.add_flag( "--no-render", to.noRender, "Make no pictures" );
 	app.add_option( "--export", to.run.exportFormat, "Write model files too" )
 		->check( CLI::IsMember( { "glb", "gltf", "obj", "ply", "stl" } ) );
@@ -86,6 +90,15 @@ int run( int count, char** words )
 	}
 	arguments.run.render = !arguments.noRender;
 	gDisableDeactivation = arguments.awake; // Bullet's own, of all its worlds
+	if ( arguments.compareSkins )
+	{
+		return compareSkins( *entry, arguments.run );
+	}
+	if ( !arguments.run.exportFormat.empty() && arguments.run.stage.gpuSkin )
+	{
+		std::fprintf( stderr, "--export needs skins of the library, not --gpu-skin.\n" );
+		return 2;
+	}
 	if ( arguments.run.draws > 1 && !arguments.window )
 	{
 		return runDraws( *entry, arguments.run );

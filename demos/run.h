@@ -27,6 +27,8 @@ struct RunSettings
 int runHeadless( const SceneEntry& entry, const RunSettings& settings );
 /// `draws` times, without pictures or files: prints the means of what the scene finds out.
 int runDraws( const SceneEntry& entry, const RunSettings& settings );
+/// Draws each frame with skins of the library and with skins of the graphics card, and prints how far they are apart. 0 where they agree.
+int compareSkins( const SceneEntry& entry, const RunSettings& settings );
 int runInWindow( const SceneEntry& entry, const RunSettings& settings );
 
 } // namespace pliant_demos

@@ -23,11 +23,6 @@ namespace {
 
 constexpr btScalar kRigidFriction = btScalar( 0.5 );
 
-Vec3 toVec3( const btVector3& v )
-{
-	return { float( v.x() ), float( v.y() ), float( v.z() ) };
-}
-
 using Clock = std::chrono::steady_clock;
 
 double secondsSince( Clock::time_point begin )
@@ -294,7 +289,7 @@ StageCounts Stage::counts() const
 		++counts.softBodies;
 		counts.nodes += item.body->nodeCount();
 		counts.links += item.body->linkCount();
-		counts.triangles += item.body->surface().triangleCount;
+		counts.triangles += shownMesh( *item.body ).triangleCount;
 		counts.fragments += item.owned == nullptr ? 1 : 0;
 	}
 	counts.rigidBodies = int( m_rigid.size() );
@@ -319,101 +314,6 @@ std::uint64_t Stage::stateHash() const
 		hash.add( at.getBasis()[1] );
 	}
 	return hash.value();
-}
-
-void Stage::skin()
-{
-	if ( m_isSkinned )
-	{
-		return;
-	}
-	m_isSkinned = true;
-	const Clock::time_point begin = Clock::now();
-	for ( const SoftItem& item : m_soft )
-	{
-		item.body->surface();
-	}
-	m_log.addSkinning( secondsSince( begin ) );
-	for ( SoftItem& item : m_soft )
-	{
-		colourCracks( item );
-	}
-}
-
-/// Vertices of crack faces belong to them alone: the normals have a crease at the border.
-void Stage::colourCracks( SoftItem& item )
-{
-	const pliant::SurfaceView skin = item.body->surface();
-	if ( item.insideColour[0] < 0 || skin.triangleSource == nullptr || skin.topologyVersion == item.colouredVersion )
-	{
-		return;
-	}
-	item.colouredVersion = skin.topologyVersion;
-	item.vertexColours.resize( std::size_t( skin.vertexCount ) * 3 );
-	for ( std::size_t i = 0; i < item.vertexColours.size(); ++i )
-	{
-		item.vertexColours[i] = item.colour[i % 3];
-	}
-	for ( int t = 0; t < skin.triangleCount; ++t )
-	{
-		for ( int k = 0; skin.triangleSource[t] == pliant::SurfaceView::kInside && k < 3; ++k )
-		{
-			std::copy( item.insideColour.begin(), item.insideColour.end(),
-				item.vertexColours.begin() + std::ptrdiff_t( skin.indices[3 * t + k] ) * 3 );
-		}
-	}
-}
-
-void Stage::drawNodes( const SoftItem& item, pliant_glue::DrawList& list ) const
-{
-	for ( int i = 0; i < item.body->nodeCount(); ++i )
-	{
-		const float d = 2 * float( item.body->nodeRadius( i ) );
-		list.spheres.push_back( { { d, 0, 0 }, { 0, d, 0 }, { 0, 0, d }, toVec3( item.body->nodePosition( i ) ), item.colour } );
-	}
-}
-
-void Stage::draw( pliant_glue::DrawList& list, bool showNodes, std::uint64_t firstId ) const
-{
-	if ( !m_isDrawn )
-	{
-		return;
-	}
-	for ( const RigidItem& item : m_rigid )
-	{
-		if ( item.isDrawn )
-		{
-			const btTransform& at = item.body->getWorldTransform();
-			pliant_glue::DrawInstance drawn;
-			drawn.axisX = toVec3( at.getBasis().getColumn( 0 ) * item.size.x() );
-			drawn.axisY = toVec3( at.getBasis().getColumn( 1 ) * item.size.y() );
-			drawn.axisZ = toVec3( at.getBasis().getColumn( 2 ) * item.size.z() );
-			drawn.position = toVec3( at.getOrigin() );
-			drawn.colour = item.colour;
-			( item.isSphere ? list.spheres : list.boxes ).push_back( drawn );
-		}
-	}
-	for ( const SoftItem& item : m_soft )
-	{
-		const pliant::SurfaceView skin = item.body->surface();
-		if ( showNodes || skin.triangleCount == 0 )
-		{
-			drawNodes( item, list );
-			continue;
-		}
-		pliant_glue::DrawMesh mesh;
-		mesh.id = firstId + item.id;
-		mesh.topologyVersion = skin.topologyVersion;
-		mesh.positions = skin.positions;
-		mesh.normals = skin.normals;
-		mesh.indices = skin.indices;
-		mesh.vertexCount = skin.vertexCount;
-		mesh.triangleCount = skin.triangleCount;
-		mesh.origin = toVec3( skin.origin );
-		mesh.colour = item.colour;
-		mesh.vertexColours = item.vertexColours.size() == std::size_t( skin.vertexCount ) * 3 ? item.vertexColours.data() : nullptr;
-		list.meshes.push_back( mesh );
-	}
 }
 
 } // namespace pliant_demos

@@ -24,6 +24,7 @@ struct StageOptions
 	int threads = 1;
 	int softSubsteps = 0; ///< 0: the world's default
 	unsigned seed = 1;
+	bool gpuSkin = false;    ///< skins are left to the renderer
 	std::string modelFolder; ///< holds data/meshes of libcgal-demo; may be missing
 };
 
@@ -125,9 +126,18 @@ private:
 		unsigned colouredVersion = 0; ///< topology whose crack faces vertexColours shows
 	};
 
+	/// What is drawn of a body, whoever skins it.
+	struct ShownMesh
+	{
+		unsigned topologyVersion;
+		int vertexCount, triangleCount;
+		const std::uint32_t *indices, *triangleSource;
+	};
+	ShownMesh shownMesh( const pliant::SoftBody& body ) const;
+
 	btRigidBody* addRigid( std::unique_ptr<btCollisionShape> shape, const btTransform& place, btScalar mass, RigidItem looks );
 	void followFragments();
-	static void colourCracks( SoftItem& item );
+	void colourCracks( SoftItem& item ) const;
 	void drawNodes( const SoftItem& item, pliant_glue::DrawList& list ) const;
 
 	StageOptions m_options;

@@ -27,7 +27,25 @@ bool compile( GLuint program, GLenum kind, const char* define, const char* body,
 	return good == GL_TRUE;
 }
 
+bool link( GLuint program, std::string& why )
+{
+	glLinkProgram( program );
+	GLint good = GL_FALSE;
+	glGetProgramiv( program, GL_LINK_STATUS, &good );
+	if ( good != GL_TRUE )
+	{
+		why = "a shader program does not link";
+	}
+	return good == GL_TRUE;
+}
+
 } // namespace
+
+bool buildFeedback( GLuint program, const char* define, const char* source, const char* varying, std::string& why )
+{
+	glTransformFeedbackVaryings( program, 1, &varying, GL_INTERLEAVED_ATTRIBS );
+	return compile( program, GL_VERTEX_SHADER, define, source, why ) && link( program, why );
+}
 
 bool buildPrograms( GlPrograms& programs, std::string& why )
 {
@@ -36,16 +54,8 @@ bool buildPrograms( GlPrograms& programs, std::string& why )
 		const GLuint program = programs[std::size_t( k )].name();
 		const char* define = programDefine( Program( k ) );
 		if ( !compile( program, GL_VERTEX_SHADER, define, kVertexSource, why ) ||
-			!compile( program, GL_FRAGMENT_SHADER, define, kFragmentSource, why ) )
+			!compile( program, GL_FRAGMENT_SHADER, define, kFragmentSource, why ) || !link( program, why ) )
 		{
-			return false;
-		}
-		glLinkProgram( program );
-		GLint good = GL_FALSE;
-		glGetProgramiv( program, GL_LINK_STATUS, &good );
-		if ( good != GL_TRUE )
-		{
-			why = "a shader program does not link";
 			return false;
 		}
 	}

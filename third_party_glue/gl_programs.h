@@ -15,4 +15,7 @@ using GlPrograms = std::array<GlProgram, std::size_t( Program::Count )>;
 /// False when one does not compile or link; `why` then says so.
 bool buildPrograms( GlPrograms& programs, std::string& why );
 
+/// Links a vertex shader alone, whose output `varying` is fed back into a buffer. False as above.
+bool buildFeedback( GLuint program, const char* define, const char* source, const char* varying, std::string& why );
+
 } // namespace pliant_glue

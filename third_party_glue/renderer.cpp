@@ -5,9 +5,9 @@
 
 #include "third_party_glue/renderer.h"
 
-#include "third_party_glue/gl_objects.h"
+#include "third_party_glue/gl_arrays.h"
 #include "third_party_glue/gl_programs.h"
-#include "third_party_glue/primitives.h"
+#include "third_party_glue/gpu_skin.h"
 #include "third_party_glue/shadow_map.h"
 
 #include <glm/glm.hpp>
@@ -30,49 +30,19 @@ constexpr float kGroundExtent = 60.0f; // m from the camera's target; the fog hi
 constexpr float kFogDistance = 22.0f;  // m
 constexpr float kNear = 0.05f, kFar = 200.0f;
 
-enum Attribute : GLuint
-{
-	Position,
-	Normal,
-	AxisX,
-	AxisY,
-	AxisZ,
-	Place,
-	InstanceColour ///< of an instance, of a line's end, of a mesh's vertex
-};
-
 glm::vec3 toGlm( const Vec3& v )
 {
 	return { v[0], v[1], v[2] };
-}
-
-void sendArray( GlBuffer& buffer, GLenum target, const void* data, std::size_t bytes )
-{
-	glBindBuffer( target, buffer.name() );
-	glBufferData( target, GLsizeiptr( bytes ), data, GL_STREAM_DRAW );
-}
-
-void describe( GLuint attribute, std::size_t stride, std::size_t offset )
-{
-	glEnableVertexAttribArray( attribute );
-	glVertexAttribPointer( attribute, 3, GL_FLOAT, GL_FALSE, GLsizei( stride ), reinterpret_cast<const void*>( offset ) );
 }
 
 struct GpuMesh
 {
 	GlArrays arrays;
 	GlBuffer positions, normals, colours, indices;
+	std::unique_ptr<SkinOnGpu> skin; ///< its positions and normals instead of the above; null: they are sent
 	unsigned topologyVersion = 0;
 	int indexCount = 0;
 	unsigned lastFrame = 0;
-};
-
-struct GpuInstances
-{
-	GlArrays arrays;
-	GlBuffer positions, normals, indices, instances;
-	int indexCount = 0;
-	int count = 0;
 };
 
 } // namespace
@@ -87,6 +57,7 @@ struct Renderer::Device
 	GlBuffer flatBuffer, lineBuffer;
 	int lineVertices = 0;
 	unsigned frame = 0;
+	GpuSkinner skinner;
 	glm::mat4 viewProjection = glm::mat4( 1.0f );
 	glm::vec3 eye = glm::vec3( 0.0f );
 	glm::vec3 toSun = glm::vec3( 0, 1, 0 );
@@ -99,8 +70,7 @@ struct Renderer::Device
 	bool build( std::string& why );
 	void upload( const DrawList& list );
 	void uploadMesh( const DrawMesh& mesh );
-	static void uploadInstances( GpuInstances& to, const std::vector<DrawInstance>& from );
-	static void prepareInstances( GpuInstances& to, const Primitive& shape );
+	void skinMesh( GpuMesh& mesh, const DrawSkin& skin );
 	GLuint use( Program program );
 	void drawDepth( const DrawList& list, const ShadowMap& map );
 	void drawMeshes( const DrawList& list, GLuint program );
@@ -116,7 +86,7 @@ bool Renderer::Device::build( std::string& why )
 		why = "OpenGL 3.3 is needed";
 		return false;
 	}
-	if ( !buildPrograms( programs, why ) )
+	if ( !buildPrograms( programs, why ) || !skinner.build( why ) )
 	{
 		return false;
 	}
@@ -134,28 +104,11 @@ bool Renderer::Device::build( std::string& why )
 	return true;
 }
 
-void Renderer::Device::prepareInstances( GpuInstances& to, const Primitive& shape )
+void Renderer::Device::skinMesh( GpuMesh& mesh, const DrawSkin& skin )
 {
-	glBindVertexArray( to.arrays.name() );
-	sendArray( to.positions, GL_ARRAY_BUFFER, shape.positions.data(), shape.positions.size() * sizeof( float ) );
-	describe( Position, 3 * sizeof( float ), 0 );
-	sendArray( to.normals, GL_ARRAY_BUFFER, shape.normals.data(), shape.normals.size() * sizeof( float ) );
-	describe( Normal, 3 * sizeof( float ), 0 );
-	sendArray( to.indices, GL_ELEMENT_ARRAY_BUFFER, shape.indices.data(), shape.indices.size() * sizeof( std::uint32_t ) );
-	to.indexCount = int( shape.indices.size() );
-	glBindBuffer( GL_ARRAY_BUFFER, to.instances.name() );
-	for ( GLuint attribute = AxisX; attribute <= InstanceColour; ++attribute )
-	{
-		describe( attribute, sizeof( DrawInstance ), ( attribute - AxisX ) * sizeof( Vec3 ) );
-		glVertexAttribDivisor( attribute, 1 );
-	}
-}
-
-void Renderer::Device::uploadInstances( GpuInstances& to, const std::vector<DrawInstance>& from )
-{
-	static_assert( sizeof( DrawInstance ) == 5 * sizeof( Vec3 ) );
-	sendArray( to.instances, GL_ARRAY_BUFFER, from.data(), from.size() * sizeof( DrawInstance ) );
-	to.count = int( from.size() );
+	mesh.skin = mesh.skin ? std::move( mesh.skin ) : std::make_unique<SkinOnGpu>();
+	mesh.skin->upload( skin );
+	skinner.skin( *mesh.skin );
 }
 
 void Renderer::Device::uploadMesh( const DrawMesh& mesh )
@@ -163,11 +116,22 @@ void Renderer::Device::uploadMesh( const DrawMesh& mesh )
 	const auto [entry, isNew] = meshes.try_emplace( mesh.id );
 	GpuMesh& gpu = entry->second;
 	const std::size_t bytes = std::size_t( mesh.vertexCount ) * 3 * sizeof( float );
+	mesh.skin ? skinMesh( gpu, *mesh.skin ) : gpu.skin.reset();
 	glBindVertexArray( gpu.arrays.name() );
-	sendArray( gpu.positions, GL_ARRAY_BUFFER, mesh.positions, bytes );
-	describe( Position, 3 * sizeof( float ), 0 );
-	sendArray( gpu.normals, GL_ARRAY_BUFFER, mesh.normals, bytes );
-	describe( Normal, 3 * sizeof( float ), 0 );
+	if ( mesh.skin )
+	{
+		glBindBuffer( GL_ARRAY_BUFFER, gpu.skin->positions.name() );
+		describe( Position, 4 * sizeof( float ), 0 );
+		glBindBuffer( GL_ARRAY_BUFFER, gpu.skin->normals.name() );
+		describe( Normal, 3 * sizeof( float ), 0 );
+	}
+	else
+	{
+		sendArray( gpu.positions, GL_ARRAY_BUFFER, mesh.positions, bytes );
+		describe( Position, 3 * sizeof( float ), 0 );
+		sendArray( gpu.normals, GL_ARRAY_BUFFER, mesh.normals, bytes );
+		describe( Normal, 3 * sizeof( float ), 0 );
+	}
 	if ( mesh.vertexColours != nullptr )
 	{
 		sendArray( gpu.colours, GL_ARRAY_BUFFER, mesh.vertexColours, bytes );
@@ -239,19 +203,6 @@ void Renderer::Device::drawMeshes( const DrawList& list, GLuint program )
 		glDrawElements( GL_TRIANGLES, gpu.indexCount, GL_UNSIGNED_INT, nullptr );
 	}
 }
-
-namespace {
-
-void drawInstances( GpuInstances& of )
-{
-	if ( of.count > 0 )
-	{
-		glBindVertexArray( of.arrays.name() );
-		glDrawElementsInstanced( GL_TRIANGLES, of.indexCount, GL_UNSIGNED_INT, nullptr, of.count );
-	}
-}
-
-} // namespace
 
 void Renderer::Device::drawDepth( const DrawList& list, const ShadowMap& map )
 {
@@ -389,6 +340,22 @@ Picture Renderer::drawPicture( const DrawList& list, int width, int height, floa
 	glPixelStorei( GL_PACK_ALIGNMENT, 1 );
 	glReadPixels( 0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, picture.rgb.data() );
 	return picture;
+}
+
+bool Renderer::readSkin( std::uint64_t id, int vertexCount, std::vector<float>& positions, std::vector<float>& normals )
+{
+	const auto found = m_device->meshes.find( id );
+	if ( found == m_device->meshes.end() || !found->second.skin )
+	{
+		return false;
+	}
+	positions.resize( 4 * std::size_t( vertexCount ) );
+	normals.resize( 3 * std::size_t( vertexCount ) );
+	glBindBuffer( GL_ARRAY_BUFFER, found->second.skin->positions.name() );
+	glGetBufferSubData( GL_ARRAY_BUFFER, 0, GLsizeiptr( positions.size() * sizeof( float ) ), positions.data() );
+	glBindBuffer( GL_ARRAY_BUFFER, found->second.skin->normals.name() );
+	glGetBufferSubData( GL_ARRAY_BUFFER, 0, GLsizeiptr( normals.size() * sizeof( float ) ), normals.data() );
+	return true;
 }
 
 } // namespace pliant_glue

@@ -25,6 +25,9 @@ public:
 	/// Draw into memory, `supersampling` times as wide and high (1 to 4), and shrink it.
 	Picture drawPicture( const DrawList& list, int width, int height, float supersampling );
 
+	/// What the GPU made of a mesh in the last picture: positions of 4 floats, normals of 3. False for a mesh not skinned on the GPU.
+	bool readSkin( std::uint64_t id, int vertexCount, std::vector<float>& positions, std::vector<float>& normals );
+
 private:
 	struct Device;
 	explicit Renderer( std::unique_ptr<Device> device );
