@@ -4,6 +4,9 @@
 //
 //     pliant/soft_body_world_over.h    soft bodies in Bullet's other worlds, or in the game's own
 //     pliant/contact_solver.h          Bullet's contact solver, faster with soft bodies
+//     pliant/render/gpu_surface.h      skins for renderers that skin on the GPU
+//     pliant/render/render_mesh.h      further render meshes on a body
+//     pliant/render/vertex_attributes.h  tangents, and what vertices of cracks come from
 //     pliant/vehicle_raycaster.h       wheels of Bullet's vehicle on soft bodies
 //     pliant/build.h, version.h        which features and which version this is
 //
