@@ -163,13 +163,15 @@ struct Mesh
 
 } // namespace
 
+static std::string nameOf( const ::testing::TestParamInfo<Registered>& given )
+{
+	return given.param == Registered::Never ? "Never" : given.param == Registered::Before ? "Before" : "After";
+}
+
 class GImpact : public ::testing::TestWithParam<Registered>
 {};
 
-INSTANTIATE_TEST_SUITE_P(
-	Algorithm, GImpact, ::testing::Values( Registered::Never, Registered::Before, Registered::After ), []( const auto& given ) {
-		return given.param == Registered::Never ? "Never" : given.param == Registered::Before ? "Before" : "After";
-	} );
+INSTANTIATE_TEST_SUITE_P( Algorithm, GImpact, ::testing::Values( Registered::Never, Registered::Before, Registered::After ), nameOf );
 
 TEST_P( GImpact, MeshesCarrySoftBodiesAndLieOnThem )
 {
