@@ -3,10 +3,10 @@
 // Checks of whole data structures after each change of topology, in builds with assertions.
 
 #ifndef NDEBUG
-#include "pliant/result.h"
+	#include "pliant/result.h"
 
-#include <cstdio>
-#include <cstdlib>
+	#include <cstdio>
+	#include <cstdlib>
 #endif
 
 namespace pliant {
