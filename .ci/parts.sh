@@ -4,8 +4,8 @@
 # Whose turn it is: the number of changes that have landed (commits of the main line, merges counted once) modulo the number of parts. A clone
 # without history takes the commit's name instead. Whatever the change touches, each part comes once in so many changes.
 #
-# A part is a function part_NAME. `seconds` is what it takes on two processors without a compiler's cache, measured, and a tenth more: a run
-# that has less left fails, so that nothing is left out unseen.
+# A part is a function part_NAME. `seconds` is what it may take on two processors without a compiler's cache: a run that has less left fails, and
+# so does a part that takes longer, so that nothing is left out unseen. Divide a part that outgrows its time.
 declare -A seconds=(
 	[asan_core]=360
 	[asan_world_1]=480

@@ -11,6 +11,8 @@
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
+#include <LinearMath/btThreads.h>
+
 #include <btBulletDynamicsCommon.h>
 
 #include <memory>
@@ -47,10 +49,16 @@ struct PartsWith
 	}
 };
 
-/// A pool of two solvers.
+/// A pool of two solvers. A Bullet that is built for threads needs a task scheduler before any of its parts for threads.
 struct SolverPool : btConstraintSolverPoolMt
 {
-	SolverPool() : btConstraintSolverPoolMt( 2 ) {}
+	SolverPool() : btConstraintSolverPoolMt( 2 )
+	{
+		if ( !btGetTaskScheduler() )
+		{
+			btSetTaskScheduler( btGetSequentialTaskScheduler() );
+		}
+	}
 };
 
 /// What `Base` is made from.

@@ -199,7 +199,7 @@ TEST_P( ThreadedWorlds, BitsDoNotDependOnTheNumberOfThreads )
 		ASSERT_EQ( scene.track().size(), first.size() ) << threads << " threads";
 		EXPECT_EQ( std::memcmp( scene.track().data(), first.data(), first.size() * sizeof( btScalar ) ), 0 ) << threads << " threads";
 	}
-	btSetTaskScheduler( nullptr );
+	btSetTaskScheduler( btGetSequentialTaskScheduler() );
 }
 
 INSTANTIATE_TEST_SUITE_P( All, ThreadedWorlds, testing::Values( Elasticity::Explicit, Elasticity::Implicit ) );
