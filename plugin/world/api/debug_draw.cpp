@@ -39,7 +39,7 @@ bool drawSoftBody( const SoftBodySystem& bodies, const btCollisionShape* shape, 
 	for ( const SoftBody* body : bodies.bodies() )
 	{
 		const SoftBody::Impl& impl = body->impl();
-		if ( impl.shape.get() == shape )
+		if ( impl.queried.get() == shape )
 		{
 			if ( impl.body->nodeCount() == 1 )
 			{
