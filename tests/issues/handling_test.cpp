@@ -193,7 +193,7 @@ TEST( Handling, FiftyPartialCutsLoseNothing )
 	EXPECT_GT( t.world.softBodyCount(), 4 );
 }
 
-// One object of three cubes, ten times in a level: each must have its own bounds.
+// One object of three cubes, ten times in a level: each must have its own bounds, .8 radii around its spheres.
 TEST( Handling, BodiesOfThreeCubesHaveBoundsWhereTheyArePlaced )
 {
 	test::MeshOfBoxes mesh;
