@@ -47,8 +47,8 @@ public:
 		visitMet( from, to, [&first]( double fraction, const btVector3& ) { first = std::min( first, fraction ); } );
 		return first;
 	}
-	/// Degrees between a normal and that of the surface where a ray meets it, at an edge of whichever side is nearer: interpolated between
-	/// the corners where their normals are near the face's, else the face's.
+	/// Degrees between a normal and that of the surface where a ray meets it, at an edge of whichever side is nearer: the face's
+	/// or, where its corners' normals are near it, the one interpolated between them.
 	double angle( const btVector3& from, const btVector3& to, double met, const btVector3& shown ) const
 	{
 		double least = 180.0;
@@ -121,7 +121,8 @@ private:
 						 w = double( area.dot( e1.cross( at ) ) / area.length2() );
 			if ( fraction >= 0.0 && fraction <= 1.0 && v >= -kBorder && w >= -kBorder && v + w <= 1.0 + kBorder )
 			{
-				const btVector3 normal = smooth( t, area.normalized(), { 1.0 - v - w, v, w } );
+				const btVector3 face = area.normalized(), normal = smooth( t, face, { 1.0 - v - w, v, w } );
+				visit( fraction, volume > 0.0 ? -face : face );
 				visit( fraction, volume > 0.0 ? -normal : normal );
 			}
 		}

@@ -163,7 +163,7 @@ bool drawSoftBody(
 	const SoftBodySystem& bodies, const btCollisionShape* shape, const btVector3& colour, btIDebugDraw& drawer, const DebugDrawing& what )
 {
 	const auto found = std::find_if(
-		bodies.bodies().begin(), bodies.bodies().end(), [shape]( const SoftBody* body ) { return body->impl().shape.get() == shape; } );
+		bodies.bodies().begin(), bodies.bodies().end(), [shape]( const SoftBody* body ) { return body->impl().queried.get() == shape; } );
 	if ( found == bodies.bodies().end() )
 	{
 		return false;

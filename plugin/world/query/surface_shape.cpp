@@ -3,6 +3,7 @@
 #include "body/levels/levels.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
+#include "world/query/query_constants.h"
 
 #include <LinearMath/btAabbUtil2.h>
 
@@ -10,6 +11,41 @@
 #include <cmath>
 
 namespace pliant {
+
+namespace {
+
+/// Vertices on a crease get no normal, so that the triangles there show their own. The mean of all normals around a corner would count it
+/// as smooth on a plate, whose large faces outweigh the others. `groups`: of vertices at one place.
+void dropCreases( const TriangleView& view, const std::vector<std::uint32_t>& groups, int count, std::vector<float>& normals )
+{
+	std::vector<Vec3> sum( std::size_t( count ), Vec3( Vec3::Zero() ) ), face( std::size_t( view.triangles ) );
+	const auto forCorners = [&]( auto&& work ) {
+		for ( int k = 0; k < 3 * view.triangles; ++k )
+		{
+			work( groups[view.indices[k]], face[std::size_t( k / 3 )] );
+		}
+	};
+	for ( int t = 0; t < view.triangles; ++t )
+	{
+		const Vec3d a = view.corner( t, 0 );
+		face[std::size_t( t )] = ( view.corner( t, 1 ) - a ).cross( view.corner( t, 2 ) - a ).normalized().cast<float>();
+	}
+	forCorners( [&]( std::uint32_t group, const Vec3& normal ) { sum[group] += normal; } );
+	std::vector<std::uint8_t> isCrease( std::size_t( count ), 0 );
+	forCorners( [&]( std::uint32_t group, const Vec3& normal ) {
+		const bool isApart = normal.dot( sum[group] ) < kCreaseCosine * sum[group].norm();
+		isCrease[group] = isApart ? 1 : isCrease[group];
+	} );
+	for ( std::size_t vertex = 0; vertex < groups.size(); ++vertex )
+	{
+		if ( isCrease[groups[vertex]] != 0 )
+		{
+			std::fill_n( normals.begin() + std::ptrdiff_t( 3 * vertex ), 3, 0.0f );
+		}
+	}
+}
+
+} // namespace
 
 SurfaceShape::SurfaceShape( const SoftBody& owner ) : m_owner( owner )
 {
@@ -66,6 +102,11 @@ void SurfaceShape::update() const
 		placeBoundary();
 	}
 	m_surface.view.positions = m_surface.positions.data();
+	if ( !m_surface.normals.empty() )
+	{
+		const SkinBinding& shown = impl.binding();
+		dropCreases( m_surface.view, shown.normalGroup, shown.normalGroups, m_surface.normals );
+	}
 	const bool isSame = sameLinks && before.indices == m_surface.view.indices && before.triangles == m_surface.view.triangles;
 	isSame ? m_surface.tree.refit( m_surface.view ) : m_surface.tree.build( m_surface.view );
 	m_surface.links = impl.fractureVersion;

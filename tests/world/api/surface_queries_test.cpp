@@ -61,6 +61,26 @@ TEST( SurfaceQueries, MeetAWholeBody )
 	expectDrawn( "turned box", t, *t.addSoft( made( test::makeBox( { -0.5, -0.3, -0.4 }, { 0.5, 0.3, 0.4 } ) ), turned ) );
 }
 
+// Also of a plate, whose large faces outweigh the others in the normals that are drawn at its corners.
+TEST( SurfaceQueries, HaveTheNormalsOfFlatFaces )
+{
+	TestWorld t;
+	t.world.setGravity( btVector3( 0, 0, 0 ) );
+	const SoftBody* const plate = t.addSoft( made( test::makeBox( { -0.8, -0.2, -0.8 }, { 0.8, 0.2, 0.8 } ) ), at( 0, 0, 0 ) );
+	btScalar least = 1;
+	test::RandomPaths paths( *plate, 3 );
+	for ( int k = 0; k < 200; ++k )
+	{
+		btVector3 from, to;
+		paths.next( from, to );
+		test::NodeRay ray( from, to, *plate );
+		t.world.rayTest( from, to, ray );
+		const btVector3 size = ray.m_hitNormalWorld.absolute();
+		least = ray.hasHit() ? btMin( least, size[size.maxAxis()] ) : least;
+	}
+	EXPECT_GT( least, btScalar( 0.9999 ) );
+}
+
 // A ball's normals point from its middle, whatever its triangles are.
 TEST( SurfaceQueries, HaveTheNormalsOfASmoothSurface )
 {
