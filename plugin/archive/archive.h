@@ -162,8 +162,9 @@ public:
 	{
 		if ( m_to )
 		{
-			const auto* const first = static_cast<const std::byte*>( bytes );
-			m_to->insert( m_to->end(), first, first + size );
+			const std::size_t before = m_to->size();
+			m_to->resize( before + size );
+			std::memcpy( m_to->data() + before, bytes, size );
 		}
 		else if ( const std::byte* const from = take( size ) )
 		{

@@ -108,7 +108,7 @@ void Body::rescale( std::shared_ptr<const Lattice> lattice )
 		static_cast<LatticeMatcher&>( *matcher ).inherit( static_cast<const LatticeMatcher&>( *m_matcher ), same );
 		if ( m_breaking )
 		{
-			m_breaking->prepare( *m_lattice, breakStrain( m_breaking->settings, m_material ), m_breaking->limits.toughness );
+			m_breaking->prepare( *m_lattice, m_material, m_breaking->limits.toughness );
 			m_breaking->broken.clear();
 		}
 	}
@@ -134,6 +134,10 @@ void Body::rescale( std::shared_ptr<const Lattice> lattice )
 
 void Body::shift( const Vec3d& by )
 {
+	if ( m_rigid )
+	{
+		m_rigid->motion.centre += by;
+	}
 	const Vec3d moved = m_nodes.origin + by;
 	m_nodes.origin = snapped( moved );
 	const Vec3 rest = ( moved - m_nodes.origin ).cast<float>();

@@ -16,7 +16,7 @@ namespace pliant {
 namespace {
 
 /// Applies the inverse of the inertia tensor in the world's axes.
-Vec3d angularVelocityOf( const Vec3d& moments, const Eigen::Quaterniond& rotation, const Vec3d& spin )
+Vec3d freeAngularVelocity( const Vec3d& moments, const Eigen::Quaterniond& rotation, const Vec3d& spin )
 {
 	const Vec3d own = rotation.conjugate() * spin;
 	Vec3d turning;
@@ -48,9 +48,9 @@ RigidMotion advanced( const RigidState& state, const RigidMotion& motion, double
 	next.centre += h * motion.velocity;
 	const Vec3d spin = spinOf( state.moments, motion.rotation, motion.angularVelocity );
 	const Eigen::Quaterniond half = ( rotationBy( 0.5 * h * motion.angularVelocity ) * motion.rotation ).normalized();
-	const Vec3d middle = angularVelocityOf( state.moments, half, spin );
+	const Vec3d middle = freeAngularVelocity( state.moments, half, spin );
 	next.rotation = ( rotationBy( h * middle ) * motion.rotation ).normalized();
-	next.angularVelocity = angularVelocityOf( state.moments, next.rotation, spin );
+	next.angularVelocity = freeAngularVelocity( state.moments, next.rotation, spin );
 	return next;
 }
 
@@ -158,7 +158,7 @@ void Body::becomeRigid()
 	state.motion.rotation = Eigen::Quaterniond( frame ).normalized();
 	state.motion.centre = m_nodes.origin + whole.centre;
 	state.motion.velocity = whole.momentum / whole.mass;
-	state.motion.angularVelocity = angularVelocityOf( state.moments, state.motion.rotation, whole.spin );
+	state.motion.angularVelocity = freeAngularVelocity( state.moments, state.motion.rotation, whole.spin );
 	state.arm.resize( m_nodes.padded );
 	for ( int i = 0; i < m_nodes.count; ++i )
 	{
@@ -203,7 +203,7 @@ void Body::applyRigidImpulse( const Vec3d& impulse, int node )
 	RigidMotion& motion = m_rigid->motion;
 	const Vec3d arm = motion.rotation * m_rigid->arm.get( node ).cast<double>();
 	motion.velocity += impulse / m_rigid->mass;
-	motion.angularVelocity += angularVelocityOf( m_rigid->moments, motion.rotation, arm.cross( impulse ) );
+	motion.angularVelocity += freeAngularVelocity( m_rigid->moments, motion.rotation, arm.cross( impulse ) );
 }
 
 void Body::becomeDeformable()

@@ -14,7 +14,7 @@ Cut Levels::readCut( Archive& archive, const Octree& octree, std::vector<std::ui
 	{
 		cut.slotOfCell.assign( octree.cells.size(), 0 );
 		numberCells( octree, cut );
-		archive.require( validate( cut, octree ).ok(), "The nodes of the levels do not cover the body." );
+		archive.require( pliant::validate( cut, octree ).ok(), "The nodes of the levels do not cover the body." );
 	}
 	return cut;
 }

@@ -2,6 +2,7 @@
 
 #include "archive/settings_archive.h"
 #include "body/breaking.h"
+#include "fracture/shards/shard_cracks.h"
 
 namespace pliant {
 

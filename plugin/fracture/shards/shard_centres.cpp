@@ -1,6 +1,7 @@
 #include "fracture/shards/shard_centres.h"
 
 #include "fracture/constants.h"
+#include "matching/constants.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -13,8 +14,6 @@
 namespace pliant {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// A hash of two numbers, uniform (the finaliser of MurmurHash3 by Austin Appleby).
 std::uint32_t hashed( std::uint32_t number, std::uint32_t seed )

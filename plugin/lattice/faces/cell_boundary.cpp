@@ -12,7 +12,7 @@ namespace pliant {
 namespace {
 
 /// Corner c of a cell: bit k is its side along axis k.
-constexpr std::size_t kCorners = 8;
+constexpr std::size_t kCornersOfCell = 8;
 
 /// Volume of cavities below which there are none, as a fraction of the material: rounding.
 constexpr double kCavityFraction = 1e-9;
@@ -43,7 +43,7 @@ void joinCorners( const Lattice& lattice, UnionFind& joined )
 		{
 			const std::uint32_t j = lattice.linkTo[k];
 			const Eigen::Vector3i step = lattice.coordinate[j].cast<int>() - lattice.coordinate[i].cast<int>();
-			for ( std::uint32_t c = 0; c < kCorners && j > i; ++c )
+			for ( std::uint32_t c = 0; c < kCornersOfCell && j > i; ++c )
 			{
 				std::uint32_t other = c;
 				bool isShared = true;
@@ -55,7 +55,7 @@ void joinCorners( const Lattice& lattice, UnionFind& joined )
 				}
 				if ( isShared )
 				{
-					joined.join( std::uint32_t( kCorners * i ) + c, std::uint32_t( kCorners * j ) + other );
+					joined.join( std::uint32_t( kCornersOfCell * i ) + c, std::uint32_t( kCornersOfCell * j ) + other );
 				}
 			}
 		}
@@ -133,7 +133,7 @@ void joinFaces( const std::vector<Face>& faces, UnionFind& corners, UnionFind& s
 	{
 		for ( std::size_t k = 0; k < 4; ++k )
 		{
-			const std::uint32_t first = std::uint32_t( kCorners ) * faces[f].cell;
+			const std::uint32_t first = std::uint32_t( kCornersOfCell ) * faces[f].cell;
 			const std::uint32_t a = corners.find( first + faces[f].corners[k] ),
 								b = corners.find( first + faces[f].corners[( k + 1 ) % 4] );
 			edges.push_back( Edge{ std::min( a, b ), std::max( a, b ), f, faces[f].front } );
@@ -174,7 +174,7 @@ CornerCells cellsOfCorners( std::size_t count, UnionFind& corners )
 	cells.cell.resize( count );
 	for ( std::uint32_t c = 0; c < std::uint32_t( count ); ++c )
 	{
-		cells.cell[at[corners.find( c )]++] = c / std::uint32_t( kCorners );
+		cells.cell[at[corners.find( c )]++] = c / std::uint32_t( kCornersOfCell );
 	}
 	return cells;
 }
@@ -182,7 +182,7 @@ CornerCells cellsOfCorners( std::size_t count, UnionFind& corners )
 Vec3 restPositionOf( const Lattice& lattice, std::uint32_t corner )
 {
 	const Eigen::Vector3i side( int( corner & 1u ), int( corner >> 1 & 1u ), int( corner >> 2 & 1u ) );
-	const Eigen::Vector3i at = lattice.coordinate[corner / kCorners].cast<int>() + side;
+	const Eigen::Vector3i at = lattice.coordinate[corner / kCornersOfCell].cast<int>() + side;
 	return ( lattice.corner + double( lattice.cellSize ) * at.cast<double>() - lattice.massCentre ).cast<float>();
 }
 
@@ -213,7 +213,7 @@ void measureVolumes( const Lattice& lattice, CellBoundary& boundary )
 
 CellBoundary findBoundary( const Lattice& lattice )
 {
-	const std::size_t count = kCorners * std::size_t( lattice.cellCount() );
+	const std::size_t count = kCornersOfCell * std::size_t( lattice.cellCount() );
 	UnionFind corners( count );
 	joinCorners( lattice, corners );
 	const std::vector<Face> faces = findFaces( lattice );
@@ -234,7 +234,7 @@ CellBoundary findBoundary( const Lattice& lattice )
 	{
 		for ( std::uint32_t k = 0; k < 4; ++k )
 		{
-			const std::uint32_t corner = corners.find( std::uint32_t( kCorners ) * faces[f].cell + faces[f].corners[k] );
+			const std::uint32_t corner = corners.find( std::uint32_t( kCornersOfCell ) * faces[f].cell + faces[f].corners[k] );
 			uses.push_back( Use{ surfaces.find( f ), corner, f, k } );
 		}
 	}

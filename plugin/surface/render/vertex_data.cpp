@@ -67,13 +67,13 @@ void store( const Vec3& tangent, float handedness, float* to )
 /// Linear part of the map that moves a vertex.
 Eigen::Matrix3f turnOf( const SkinBinding& binding, const SkinPose& pose, std::size_t vertex )
 {
-	using Rows = Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>;
+	using MapRows = Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>;
 	Eigen::Matrix3f sum = Eigen::Matrix3f::Zero();
 	const std::uint32_t carrier = binding.carrierOf( vertex );
 	for ( std::uint32_t k = binding.start[carrier]; k < binding.start[carrier + 1]; ++k )
 	{
 		const std::uint32_t node = pose.slotOfCell ? pose.slotOfCell[binding.node[k]] : binding.node[k];
-		sum += binding.weight[k] * Rows( pose.maps + std::size_t( node ) * kSkinMapFloats ).leftCols<3>();
+		sum += binding.weight[k] * MapRows( pose.maps + std::size_t( node ) * kSkinMapFloats ).leftCols<3>();
 	}
 	return sum;
 }

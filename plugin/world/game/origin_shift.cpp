@@ -190,7 +190,7 @@ void shiftSoft( SoftBody& body, const btVector3& by )
 		shiftObject( *proxy, by );
 		proxy->written += by;
 	}
-	impl.placeShape( body );
+	impl.twin ? impl.placeTwin( body ) : impl.placeShape( body );
 }
 
 } // namespace

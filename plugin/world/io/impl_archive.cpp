@@ -115,7 +115,7 @@ void SoftBody::Impl::archiveState( Archive& archive )
 	}
 	contactRecords = tellsContacts ? std::make_unique<ContactRecords>() : nullptr; // its events begin anew
 	nearNodes = std::move( near );
-	const auto isNode = [count]( const Near& near ) { return near.node >= 0 && near.node < count; };
+	const auto isNode = [count]( const Near& each ) { return each.node >= 0 && each.node < count; };
 	archive.require( std::isfinite( mass ) && mass > 0.0 && shapeShift.cwiseAbs().maxCoeff() <= kFarthestStored &&
 			std::isfinite( meanSquareSpeed ) && std::isfinite( lastSubstep ) && std::isfinite( skin.tolerance ) &&
 			( heldBefore.empty() || heldBefore.size() == std::size_t( count ) ) &&

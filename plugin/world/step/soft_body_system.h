@@ -61,6 +61,8 @@ public:
 	void deformLoaded( btScalar gameStep );
 	/// At the end of a game step: bodies that hardly deform enter it.
 	void makeRigid( btScalar gameStep );
+	/// After a body's shape was replaced.
+	void removeContacts( SoftBody& body );
 	/// Around Bullet's solver: manifolds refer to the twins of bodies in their rigid state.
 	void showTwins( btDispatcher& dispatcher );
 	void hideTwins( btDispatcher& dispatcher );
@@ -201,7 +203,6 @@ private:
 	void settlePins( SoftBody& body, btScalar h, int substep );
 	bool canBeRigid( const SoftBody& body ) const;
 	double loadOn( const SoftBody& body ) const; ///< sum of the contact forces on a deformable body, N
-	void removeContacts( SoftBody& body );       ///< after its shape was replaced
 	void forecastImpacts( btScalar h );
 	void forecastImpact( SoftBody& body, btCollisionObject& other, btScalar h );
 	void accelerateRigid( btScalar h );
