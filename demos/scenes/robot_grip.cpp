@@ -26,6 +26,7 @@ constexpr btScalar kHub = btScalar( 0.13 );                                    /
 constexpr btScalar kFingerLength = btScalar( 0.42 ), kDrop = btScalar( 0.58 ); // m; how far the boom goes down
 constexpr btScalar kOpen = btScalar( 0.45 );                                   // rad
 constexpr btScalar kPi = btScalar( 3.14159265 );
+constexpr btScalar kTurn = -btScalar( 0.4 ) * kPi; // to the viewer
 
 /// What the joints are to do, until when.
 struct Order
@@ -39,10 +40,10 @@ constexpr Order kOrders[] = {
 	{ 1.2, 0, -kDrop, false },
 	{ 2.2, 0, -kDrop, true },
 	{ 3.8, 0, 0, true },
-	{ 5.8, kPi* btScalar( 0.55 ), 0, true },
-	{ 7.2, kPi* btScalar( 0.55 ), -kDrop, true },
-	{ 8.0, kPi* btScalar( 0.55 ), -kDrop, false },
-	{ 9.5, kPi* btScalar( 0.55 ), 0, false },
+	{ 5.8, kTurn, 0, true },
+	{ 7.2, kTurn, -kDrop, true },
+	{ 8.0, kTurn, -kDrop, false },
+	{ 9.5, kTurn, 0, false },
 };
 
 enum Link

@@ -362,7 +362,15 @@ TEST( Skeleton, RefusesBadArguments )
 	refuses( good.view, settings, ResultCode::BadSettings );
 	settings.paint = []( const float*, void* ) { return PosePaint{ 1.0f, 0.0f }; };
 	refuses( good.view, settings, ResultCode::BadSettings );
+}
 
+TEST( Skeleton, RefusesBadPoses )
+{
+	TestWorld test;
+	SoftBody* const body = test.addSoft( arm(), btTransform::getIdentity(), flesh( Elasticity::Explicit ) );
+	const TwoBones good( body->bodyTemplate().vertexCount(), verticesOf( *body ) );
+	const btTransform bones[2] = { btTransform::getIdentity(), btTransform::getIdentity() };
+	const std::vector<btVector3> targets( std::size_t( body->bodyTemplate().cellCount() ), btVector3( 0, 0, 0 ) );
 	ASSERT_TRUE( followBones( *body, good.view ).ok() );
 	btTransform bad[2] = { btTransform::getIdentity(), btTransform::getIdentity() };
 	bad[1].setOrigin( btVector3( NAN, 0, 0 ) );
