@@ -15,11 +15,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double secondsSince( Clock::time_point begin )
-{
-	return std::chrono::duration<double>( Clock::now() - begin ).count();
-}
-
 pliant_glue::Vec3 toVec3( const btVector3& v )
 {
 	return { float( v.x() ), float( v.y() ), float( v.z() ) };

@@ -41,7 +41,8 @@ const std::vector<std::vector<const char*>> kSubfolders = {
 	{ "plugin/body/levels/", "plugin/body/", "plugin/body/state/" },
 	{ "plugin/world/", "plugin/world/shape/", "plugin/world/query/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/",
 		"plugin/world/respond/", "plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/",
-		"plugin/world/rigid/", "plugin/world/game/", "plugin/world/bodies/", "plugin/world/step/", "plugin/world/api/", "plugin/world/io/" },
+		"plugin/world/rigid/", "plugin/world/game/", "plugin/world/bodies/", "plugin/world/step/", "plugin/world/api/",
+		"plugin/world/io/" },
 };
 
 constexpr std::size_t kMostFilesOfAFolder = 20;

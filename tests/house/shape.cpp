@@ -239,7 +239,8 @@ Complaints checkStages( const SourceTree& tree )
 		"bodies.collideWithThemselves", "bodies.endCollision", "bodies.releaseRefusedPairs", "m_moved.moveToNodes", "m_rolling.hide",
 		"bodies.solveImplicit", "bodies.giveFrames", "bodies.readFrames", "frictionTorque.aim", "m_restitution.aim", "m_stages.baseSolve",
 		"m_restitution.settle", "frictionTorque.sum", "bodies.noteSolved", "m_moved.moveBack", "bodies.readBack", "m_rolling.apply",
-		"m_impulses.add", "m_stages.baseIntegrate", "bodies.holdBack", "bodies.integrate", "frictionTorque.give", "bodies.testLinks", "m_stages.baseUpdateActivation", "bodies.updateActivation", "bodies.endStep" };
+		"m_impulses.add", "m_stages.baseIntegrate", "bodies.holdBack", "bodies.integrate", "frictionTorque.give", "bodies.testLinks",
+		"m_stages.baseUpdateActivation", "bodies.updateActivation", "bodies.endStep" };
 	static const std::set<std::string> kAlsoAtTheEnd = { "bodies.dropPredictiveContacts" }; // of the world
 	const std::string order = "plugin/world/step/world_step.cpp";
 	Complaints complaints;

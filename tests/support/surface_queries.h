@@ -199,7 +199,7 @@ struct NodeSweep : btCollisionWorld::ClosestConvexResultCallback
 class RandomPaths
 {
 public:
-	RandomPaths( const SoftBody& body, unsigned seed ) : m_random( seed )
+	RandomPaths( const SoftBody& body, unsigned first ) : m_random( first )
 	{
 		body.getCollisionShape()->getAabb( body.getWorldTransform(), m_low, m_high );
 		m_size = ( m_high - m_low ).length();

@@ -22,9 +22,10 @@ void ShardCentreSet::archive( Archive& archive )
 	{
 		isChained = isChained && ( m_next[k] == kNone || m_next[k] < std::uint32_t( k ) );
 	}
-	archive.require( std::isfinite( m_size ) && m_size > 0.0 && m_low.allFinite() && ( hasGrid || ( m_centre.empty() && m_first.empty() ) ) &&
-			m_next.size() == m_centre.size() && isChained && std::all_of( m_centre.begin(), m_centre.end(), isFinite ) &&
-			std::all_of( m_first.begin(), m_first.end(), isNumber ) && std::all_of( m_next.begin(), m_next.end(), isNumber ),
+	archive.require( std::isfinite( m_size ) && m_size > 0.0 && m_low.allFinite() &&
+			( hasGrid || ( m_centre.empty() && m_first.empty() ) ) && m_next.size() == m_centre.size() && isChained &&
+			std::all_of( m_centre.begin(), m_centre.end(), isFinite ) && std::all_of( m_first.begin(), m_first.end(), isNumber ) &&
+			std::all_of( m_next.begin(), m_next.end(), isNumber ),
 		"The centres of the shards are not valid." );
 }
 

@@ -1,7 +1,7 @@
 #include "pliant/vehicle_raycaster.h"
 
-#include "world/game/wheel_constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/game/wheel_constants.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>

@@ -34,9 +34,8 @@ bool SoftBodySystem::canBeRigid( const SoftBody& body ) const
 {
 	const SoftBody::Impl& impl = body.impl();
 	return body.material().rigidStrain > 0.0f && impl.pins.empty() && !impl.self && !impl.hasNodeForces && impl.newCuts.empty() &&
-		!body.isStaticOrKinematicObject() && impl.isHealthy && !impl.body->hasBrokenLinks() &&
-		!impl.follower && ( !impl.forces || impl.forces->gas.law == GasLaw::None ) &&
-		( attachments.isEmpty() || !attachments.contain( body ) ) &&
+		!body.isStaticOrKinematicObject() && impl.isHealthy && !impl.body->hasBrokenLinks() && !impl.follower &&
+		( !impl.forces || impl.forces->gas.law == GasLaw::None ) && ( attachments.isEmpty() || !attachments.contain( body ) ) &&
 		std::none_of( frames.all().begin(), frames.all().end(), [&body]( const Frame& frame ) { return frame.body == &body; } );
 }
 

@@ -290,7 +290,7 @@ TEST_P( RigidState, ShapeFollowsTheMaterial )
 }
 
 INSTANTIATE_TEST_SUITE_P( BothSteps, RigidState, ::testing::Values( Elasticity::Explicit, Elasticity::Implicit ),
-	[]( const auto& info ) { return std::string( info.param == Elasticity::Explicit ? "Explicit" : "Implicit" ); } );
+	[]( const auto& suite ) { return std::string( suite.param == Elasticity::Explicit ? "Explicit" : "Implicit" ); } );
 
 TEST( RigidStateBreaks, AsIfItHadNeverBeenRigid )
 {
