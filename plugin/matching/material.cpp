@@ -66,6 +66,10 @@ Status checkFarLevels( const Material& material )
 
 Status checkElasticity( const Material& material )
 {
+	if ( !within( material.rigidStrain, 0.0f, kLargestRigidStrain ) )
+	{
+		return refuse( "Material::rigidStrain must lie in [0, 0.1]." );
+	}
 	if ( !within( material.numericalDamping, 0.0f, 1.0f ) )
 	{
 		return refuse( "Material::numericalDamping must lie in [0, 1]." );
@@ -127,10 +131,6 @@ Status check( const Material& material )
 	if ( !( material.alpha > 0.0f ) || !within( material.alpha, 0.0f, kLargestAlpha ) )
 	{
 		return refuse( "Material::alpha must be above 0 and at most 1." );
-	}
-	if ( !within( material.rigidStrain, 0.0f, kLargestRigidStrain ) )
-	{
-		return refuse( "Material::rigidStrain must lie in [0, 0.1]." );
 	}
 	if ( !within( material.beta, 0.0f, kLargestBeta ) )
 	{

@@ -274,8 +274,7 @@ Complaints checkStageOrder( const SourceTree& tree )
 			"bodies.collideWithThemselves", "bodies.endCollision", "bodies.releaseRefusedPairs", "m_moved.moveToNodes",
 			"bodies.solveImplicit", "frictionTorque.aim", "m_restitution.aim", "m_stages.baseSolve", "m_restitution.settle",
 			"frictionTorque.sum", "bodies.noteSolved", "m_moved.moveBack", "bodies.readBack", "m_stages.baseIntegrate", "bodies.holdBack",
-			"bodies.integrate", "frictionTorque.give", "bodies.freshenShapes", "bodies.testLinks", "m_stages.baseUpdateActivation",
-			"bodies.updateActivation" } };
+			"bodies.integrate", "frictionTorque.give", "bodies.testLinks", "m_stages.baseUpdateActivation", "bodies.updateActivation" } };
 	const std::string path = "plugin/world/step/world_step.cpp";
 	const std::vector<std::string>& lines = tree.files().at( path ).lines;
 	Complaints complaints;

@@ -2,7 +2,7 @@
 
 #include "pliant/game/skeleton.h"
 #include "world/bodies/placing.h"
-#include "world/bodies/pose_follower.h"
+#include "world/joints/pose_follower.h"
 
 #include <algorithm>
 #include <cmath>

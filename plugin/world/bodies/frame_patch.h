@@ -2,8 +2,8 @@
 
 // What the two source files of frames share.
 
-#include "world/bodies/frames.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/joints/frames.h"
 
 namespace pliant {
 

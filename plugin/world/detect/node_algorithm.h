@@ -31,6 +31,8 @@ public:
 	}
 	void getAllContactManifolds( btManifoldArray& manifolds ) override;
 
+	PairContacts& contacts() { return *m_contacts; }
+
 private:
 	PairContacts* m_contacts;
 };

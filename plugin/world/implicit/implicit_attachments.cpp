@@ -5,10 +5,10 @@
 // with the last substep's impulse l as the multiplier, so that b is reached even for small k. With a compliance c it is a damped spring
 // instead: l = 0, k = h^2 / c and b = - e / h give j = - h ( e + h u ) / c, the impulse of the spring force at the end of the step.
 
-#include "world/bodies/attachments.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/implicit/implicit_solve.h"
+#include "world/joints/attachments.h"
 
 #include <algorithm>
 

@@ -1,10 +1,10 @@
 #include "world/implicit/implicit_reach.h"
 
-#include "world/bodies/attachments.h"
 #include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/implicit/implicit_contacts.h"
+#include "world/joints/attachments.h"
 #include "world/shape/contact_proxy.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>

@@ -1,9 +1,9 @@
 #include "world/implicit/implicit_solve.h"
 
 #include "threads/parallel.h"
-#include "world/bodies/attachments.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
+#include "world/joints/attachments.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>

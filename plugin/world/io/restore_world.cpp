@@ -1,6 +1,8 @@
 // Puts a world that was read in the place of the present one.
 
+#include "world/detect/node_algorithm.h"
 #include "world/io/world_snapshot.h"
+#include "world/query/surface_tests.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -244,18 +246,17 @@ void WorldSnapshot::restorePair( const PairRecord& record )
 	}
 	const btCollisionObjectWrapper wrapped[2] = { { nullptr, first->getCollisionShape(), first, first->getWorldTransform(), -1, -1 },
 		{ nullptr, second->getCollisionShape(), second, second->getWorldTransform(), -1, -1 } };
-	std::vector<PairContacts*>& all = m_bodies.pairScratch.all;
-	const std::size_t known = all.size();
 	pair->m_algorithm = m_step.m_parts.dispatcher->findAlgorithm( &wrapped[0], &wrapped[1], nullptr, BT_CONTACT_POINT_ALGORITHMS );
 	if ( !pair->m_algorithm )
 	{
 		return;
 	}
 	btManifoldArray manifolds;
-	if ( record.isSoft && all.size() > known )
+	if ( record.isSoft && ( SurfaceTest::isSurface( wrapped[0] ) || SurfaceTest::isSurface( wrapped[1] ) ) ) // the dispatcher has made ours
 	{
-		all.back()->carry( record.soft, *first, *second );
-		all.back()->collectManifolds( manifolds );
+		PairContacts& contacts = static_cast<NodeAlgorithm*>( pair->m_algorithm )->contacts();
+		contacts.carry( record.soft, *first, *second );
+		contacts.collectManifolds( manifolds );
 	}
 	else if ( !record.isSoft )
 	{

@@ -1,10 +1,10 @@
 #include "world/step/substep_group.h"
 
 #include "archive/archive.h"
-#include "world/bodies/attachments.h"
-#include "world/bodies/frames.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
+#include "world/joints/attachments.h"
+#include "world/joints/frames.h"
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>

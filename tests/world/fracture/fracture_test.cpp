@@ -176,33 +176,6 @@ TEST( Fracture, PiecesInheritTheUsersSettings )
 	}
 }
 
-// The pieces stepped explicitly with the implicit body's unbounded alpha until the next step, and flew apart at 1e5 m/s.
-TEST( Fracture, SmallRigidPiecesOfImplicitBodiesComeOffAtRest )
-{
-	TestWorld test;
-	test.world.setGravity( btVector3( 0, 0, 0 ) );
-	SoftBody* const body = test.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0, 0 ), test::implicit( 1e8f ) );
-	Fracture fracture;
-	fracture.smallCells = 8;
-	fracture.smallPieces = SmallPieces::Rigid;
-	ASSERT_TRUE( body->setFracture( fracture ).ok() );
-	test.run( 5 );
-	ASSERT_TRUE( body->applyCentralImpulse( body->mass() * btVector3( 1, 0, 0 ) ).ok() );
-	ASSERT_TRUE( body->applyImpulse( btVector3( 0, 1, 0 ), 0 ).ok() ); // strains the corner
-	test.run( 1 );
-	ASSERT_GT( body->cutPlane( btVector3( -0.1f, -0.1f, -0.1f ), btVector3( 1, 1, 1 ) ), 0 );
-	for ( int frame = 0; frame < 10; ++frame )
-	{
-		test.run( 1 );
-		ASSERT_EQ( test.world.stepReport().quarantined, 0 );
-	}
-	ASSERT_GT( test.world.softBodyCount(), 1 );
-	for ( const SoftBody* piece : allSoft( test.world ) )
-	{
-		EXPECT_LT( piece->linearVelocity().length(), 3 );
-	}
-}
-
 TEST( Fracture, FragmentsAreOwnedByTheWorldUntilReleased )
 {
 	std::unique_ptr<SoftBody> taken;

@@ -1,4 +1,4 @@
-#include "world/bodies/attachments.h"
+#include "world/joints/attachments.h"
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"

@@ -2,9 +2,9 @@
 // (frames.h).
 
 #include "world/bodies/frame_patch.h"
-#include "world/bodies/frames.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
+#include "world/joints/frames.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 

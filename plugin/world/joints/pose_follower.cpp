@@ -1,4 +1,4 @@
-#include "world/bodies/pose_follower.h"
+#include "world/joints/pose_follower.h"
 
 #include "matching/constants.h"
 #include "world/constants.h"

@@ -1,4 +1,4 @@
-#include "world/bodies/frames.h"
+#include "world/joints/frames.h"
 
 #include "matching/rotation.h"
 #include "world/bodies/frame_patch.h"

@@ -1,0 +1,55 @@
+// What a collision phase leaves to the next, as a snapshot takes and gives it.
+
+#include "world/bodies/soft_body_impl.h"
+#include "world/detect/node_contacts.h"
+
+namespace pliant {
+
+PairContacts::Carried PairContacts::carried() const
+{
+	Carried state{ m_isNew, m_phase != 0, m_numbering, m_parting, {} };
+	for ( const NodeContact& contact : m_contacts )
+	{
+		state.keys.push_back( contact.key );
+	}
+	return state;
+}
+
+PairContacts::Pair PairContacts::pairOf( const btCollisionObject& first, const btCollisionObject& second )
+{
+	const auto softOf = []( const btCollisionObject& object ) {
+		SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( &object ) );
+		return soft && !soft->impl().twin ? soft : nullptr;
+	};
+	SoftBody *const soft0 = softOf( first ), *const soft1 = softOf( second );
+	SoftBody* const other = soft0 ? soft1 : nullptr;
+	return Pair{ soft0 ? soft0 : soft1, other, other ? nullptr : soft0 ? &second : &first, soft0 != nullptr };
+}
+
+void PairContacts::carry( const Carried& from, const btCollisionObject& first, const btCollisionObject& second )
+{
+	carryOver( from, pairOf( first, second ) );
+}
+
+void PairContacts::carrySelf( const Carried& from, SoftBody& soft )
+{
+	carryOver( from, Pair{ &soft, &soft, nullptr, true } );
+}
+
+void PairContacts::carryOver( const Carried& from, const Pair& pair )
+{
+	enlist();
+	m_isNew = from.isNew;
+	m_phase = from.wasProcessed ? m_pool.phase() : 0;
+	m_numbering = from.numbering;
+	m_parting = from.parting;
+	for ( const std::uint64_t key : from.keys )
+	{
+		NodeContact contact;
+		contact.key = key;
+		create( pair, contact );
+		m_contacts.push_back( contact );
+	}
+}
+
+} // namespace pliant
