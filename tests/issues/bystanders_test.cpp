@@ -41,7 +41,7 @@ protected:
 	static std::vector<btScalar> besideASoftBody( const Measure& measure )
 	{
 		test::TestWorld scene;
-		SoftBody* const body = scene.addSoft( test::block( 4, 4, 4, 0.1f ), at( 30, 3, 30 ), test::stepping( GetParam(), 1e5f ) );
+		SoftBody* const body = scene.addSoft( test::block( 4, 4, 4, 0.1f ), at( 20, 3, 20 ), test::stepping( GetParam(), 1e5f ) );
 		return measure( scene.world, [&]( int frames ) {
 			for ( int k = 0; k < frames; ++k )
 			{

@@ -100,6 +100,10 @@ SubstepGroup::Box SubstepGroup::sweptBox( const btCollisionObject& object, const
 	if ( const SoftBody* const soft = SoftBody::upcast( &object ) )
 	{
 		box = boxOf( *soft, gravity, step );
+		if ( !soft->impl().twin )
+		{
+			box.grow( btScalar( kDrawnBeyondSpheres ) * soft->impl().shape->largestRadius() ); // as the box of what is drawn
+		}
 	}
 	else if ( const btRigidBody* const rigid = btRigidBody::upcast( &object ) )
 	{
