@@ -1,25 +1,13 @@
 # shellcheck shell=bash
-# What is too long for every run: .ci/run takes one part a change, by turn; .ci/full takes all of them. Read it with `.`, from the repository's folder.
+# What is too long for every run: .ci/run takes one part of `turns` a change; .ci/full takes all parts. Read it with `.`, from the repository's folder.
 #
-# Whose turn it is: the number of changes that have landed (commits of the main line, merges counted once) modulo the number of parts. A clone
+# Whose turn it is: the number of changes that have landed (commits of the main line, merges counted once) modulo the number of turns. A clone
 # without history takes the commit's name instead. Whatever the change touches, each part comes once in so many changes.
 #
-# A part is a function part_NAME. `seconds` is what it may take on two processors without a compiler's cache: a run that has less left fails, and
-# so does a part that takes longer, so that nothing is left out unseen. Divide a part that outgrows its time.
-declare -A seconds=(
-	[asan_core]=360
-	[asan_world_1]=480
-	[asan_world_2]=480
-	[asan_world_3]=480
-	[asan_issues_1]=480
-	[asan_issues_2]=480
-	[tsan]=420
-	[double]=480
-	[clang]=480
-	[tidy]=420
-	[threadsafe]=480
-)
-readonly parts=( asan_core tsan asan_world_1 double asan_issues_1 clang asan_world_2 tidy asan_issues_2 threadsafe asan_world_3 )
+# A part is a function part_NAME. A part is in `turns` when it is known to fit into the time that .ci/run has left on two processors without a
+# compiler's cache; a run that exceeds its limit fails, so that nothing is left out unseen.
+readonly turns=( asan_core_1 asan_core_2 asan_core_3 )
+readonly parts=( asan_core_1 asan_core_2 asan_core_3 tsan asan_world_1 double asan_issues_1 clang asan_world_2 tidy asan_issues_2 threadsafe asan_world_3 )
 
 # The parts' settings: .ci/full has them empty, and runs all tests of a part.
 slice=${slice-yes}
@@ -55,17 +43,20 @@ test_part() # preset, folder of tests, number of the slice, number of slices, ar
 # --- address and undefined-behaviour sanitizers, assertions on -----------------------------------------------------------------------------
 export UBSAN_OPTIONS=print_stacktrace=1
 
-part_asan_core()
+asan_core() # folder of tests ...
 {
-	local folder folders=( threads lattice adapt fracture body surface matching ) targets=()
-	for folder in "${folders[@]}"; do
+	local folder targets=()
+	for folder in "$@"; do
 		targets+=( "tests/$folder/all" )
 	done
 	configure_part asan && build_part asan "${targets[@]}" || return 1
-	for folder in "${folders[@]}"; do
+	for folder in "$@"; do
 		test_part asan "$folder" 1 1 || return 1
 	done
 }
+part_asan_core_1() { asan_core threads lattice adapt; }
+part_asan_core_2() { asan_core fracture body; }
+part_asan_core_3() { asan_core surface matching; }
 
 asan_world()
 {
@@ -124,4 +115,10 @@ part_threadsafe()
 	third_party_glue/build_bullet.sh "$bullet" -DBULLET2_MULTITHREADING=ON "-DCMAKE_CXX_FLAGS=$flags -w" || return 1
 	configure_part tsan -DBULLET_ROOT="$PWD/$bullet/prefix" -DCMAKE_CXX_FLAGS=-DBT_THREADSAFE=1 -B build-threadsafe || return 1
 	build_part threadsafe world_test && test_part threadsafe world 1 1 --tests-regex 'ThreadedWorlds|OtherWorlds'
+}
+
+# --- random calls of the public functions under the address sanitizer -------------------------------------------------------------------------
+random_sequences() # count
+{
+	configure_part asan && build_part asan issues_fuzz && PLIANT_RANDOM_SEQUENCES=$1 build-asan/tests/issues/issues_fuzz
 }

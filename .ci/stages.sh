@@ -50,5 +50,5 @@ part_of_turn()
 	else
 		turn=$( git rev-list --count --first-parent HEAD )
 	fi
-	echo "${parts[turn % ${#parts[@]}]}"
+	echo "${turns[turn % ${#turns[@]}]}"
 }
