@@ -28,10 +28,12 @@ enum class ResultCode : int
 				 ///< not go with the material
 	BadMaterial, ///< a value of Material is out of its range, or does not go with another one or with the body
 	BadArgument, ///< any other argument is invalid (a number, an index, a pointer, a field), or this build lacks a feature (build.h)
-	TooFolded,   ///< the surface is folded so often within its bounding box that no cell size separates its layers; or, with Shell::Never,
-				 ///< it is so folded or so widely open that telling inside from outside takes too long
-	BadSnapshot  ///< the data of a load is no snapshot of this kind, is cut off or damaged, comes from a newer version or from a build of
-				///< the other precision, or does not go with the world or the templates
+	/// The surface is folded so often within its bounding box that no cell size separates its layers; or, with Shell::Never, it is so
+	/// folded or so widely open that telling inside from outside takes too long.
+	TooFolded,
+	/// The data of a load is no snapshot of this kind, is cut off or damaged, comes from a newer version or from a build of the other
+	/// precision, or does not go with the world or the templates.
+	BadSnapshot
 };
 
 /// The code's name, e.g. "TooManyCells"; "unknown" for a value that is no ResultCode. Never null.
