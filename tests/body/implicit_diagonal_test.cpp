@@ -39,6 +39,11 @@ Lattice tornBlock()
 		lattice.linkTo.insert( lattice.linkTo.end(), to.begin(), to.end() );
 		lattice.linkStart.push_back( std::uint32_t( lattice.linkTo.size() ) );
 	}
+	constexpr std::uint32_t kNeighbours = 26;
+	for ( std::size_t i = 0; i < kept.size(); ++i )
+	{
+		lattice.isSurface[i] = lattice.linkStart[i + 1] - lattice.linkStart[i] != kNeighbours;
+	}
 	return lattice;
 }
 
