@@ -161,7 +161,7 @@ private:
 		Vec3d sum = Vec3d::Zero();
 		int count = 0;
 		here &= borderTowards( step );
-		for ( int part = 0; here >> part != 0 && part < kParts * kParts * kParts; ++part )
+		for ( int part = 0; part < kParts * kParts * kParts && here >> part != 0; ++part )
 		{
 			if ( ( here >> part & 1 ) == 0 )
 			{
