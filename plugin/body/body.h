@@ -187,8 +187,11 @@ public:
 	void moveAsRigid( const RigidMotion& motion );
 	/// Sets the motion that the nodes will have from the next moveAsRigid on, m/s and rad/s. Only for rigid bodies.
 	void setRigidVelocities( const Vec3d& linear, const Vec3d& angular );
-	/// Applies an impulse, N s, at a node's position. Only for rigid bodies.
-	void applyRigidImpulse( const Vec3d& impulse, int node );
+	/// After the nodes' velocities were changed: the rigid motion takes their momentum and spin, and the nodes its velocities. Does nothing
+	/// to a body that deforms.
+	void followVelocities();
+	/// v += h ( gravity + field / m ), m/s^2 and N. Only for rigid bodies.
+	void applyRigidForces( float h, const Vec3d& gravity );
 	/// Nodes keep positions and velocities.
 	void becomeDeformable();
 	/// The smaller of Material::rigidStrain and a part of the strain at which the weakest link breaks.

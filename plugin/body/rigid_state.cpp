@@ -198,12 +198,30 @@ void Body::setRigidVelocities( const Vec3d& linear, const Vec3d& angular )
 	m_rigid->motion.angularVelocity = angular;
 }
 
-void Body::applyRigidImpulse( const Vec3d& impulse, int node )
+void Body::followVelocities()
 {
-	RigidMotion& motion = m_rigid->motion;
-	const Vec3d arm = motion.rotation * m_rigid->arm.get( node ).cast<double>();
-	motion.velocity += impulse / m_rigid->mass;
-	motion.angularVelocity += freeAngularVelocity( m_rigid->moments, motion.rotation, arm.cross( impulse ) );
+	if ( !m_rigid )
+	{
+		return;
+	}
+	const BodySums whole = sums();
+	RigidMotion motion = m_rigid->motion;
+	motion.velocity = whole.momentum / whole.mass;
+	motion.angularVelocity = freeAngularVelocity( m_rigid->moments, motion.rotation, whole.spin );
+	moveAsRigid( motion );
+}
+
+void Body::applyRigidForces( float h, const Vec3d& gravity )
+{
+	for ( int i = 0; i < m_nodes.count && !m_fieldForce.x.empty(); ++i )
+	{
+		m_nodes.v.set( i, m_nodes.v.get( i ) + ( h / m_nodes.mass[i] ) * m_fieldForce.get( i ) );
+	}
+	if ( !m_fieldForce.x.empty() )
+	{
+		followVelocities();
+	}
+	setRigidVelocities( m_rigid->motion.velocity + double( h ) * gravity, m_rigid->motion.angularVelocity );
 }
 
 void Body::becomeDeformable()

@@ -1,7 +1,6 @@
 // What the game does to a body: velocities, forces, impulses, gravity, positions. Each is refused if a number is bad, and then changes
 // nothing.
 
-#include "body/rigid_state.h"
 #include "matching/constants.h"
 #include "world/bodies/placing.h"
 #include "world/constants.h"
@@ -90,10 +89,7 @@ Status SoftBody::setVelocities( const btVector3& linear, const btVector3& angula
 	{
 		nodes.v.set( i, velocityOf( i ) );
 	}
-	if ( m_impl->twin )
-	{
-		m_impl->body->setRigidVelocities( toVec3d( linear ), toVec3d( angular ) );
-	}
+	m_impl->body->followVelocities();
 	activate( true );
 	return {};
 }
@@ -149,11 +145,7 @@ Status SoftBody::applyCentralImpulse( const btVector3& impulse )
 	{
 		nodes.v.set( i, nodes.v.get( i ) + nodes.freedom[i] * change );
 	}
-	if ( m_impl->twin )
-	{
-		const RigidMotion& motion = m_impl->body->rigidState()->motion;
-		m_impl->body->setRigidVelocities( motion.velocity + toVec3d( impulse ) / double( mass() ), motion.angularVelocity );
-	}
+	m_impl->body->followVelocities();
 	activate( true );
 	return {};
 }
@@ -171,11 +163,8 @@ Status SoftBody::applyImpulse( const btVector3& impulse, int node )
 		return isFinite( impulse ) ? refused( "applyImpulse", kTooFast ) : refused( "applyImpulse", "a number is not finite." );
 	}
 	nodes.v.set( node, velocity );
-	if ( m_impl->twin )
-	{
-		m_impl->body->applyRigidImpulse( toVec3d( impulse ), node );
-		m_impl->mustDeform = true;
-	}
+	m_impl->body->followVelocities();
+	m_impl->mustDeform = m_impl->mustDeform || m_impl->twin;
 	activate( true );
 	return {};
 }

@@ -184,6 +184,7 @@ void apply( const Push& push )
 		{
 			nodes.v.set( i, nodes.v.get( i ) + push.nodes[std::size_t( i )] );
 		}
+		soft->impl().body->followVelocities();
 		soft->activate( true );
 		return;
 	}

@@ -117,10 +117,10 @@ void SoftBodySystem::accelerateRigid( btScalar h )
 	for ( SoftBody* body : m_rigid )
 	{
 		SoftBody::Impl& impl = body->impl();
-		const RigidMotion& motion = impl.body->rigidState()->motion;
 		impl.isImplicit = false;
 		impl.lastSubstep = double( h );
-		impl.body->setRigidVelocities( motion.velocity + double( h ) * ownAcceleration( *body ).cast<double>(), motion.angularVelocity );
+		fields.push( *body, gravityOf( *body ), double( h ) );
+		impl.body->applyRigidForces( float( h ), ownAcceleration( *body ).cast<double>() );
 	}
 }
 

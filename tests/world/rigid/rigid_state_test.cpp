@@ -215,6 +215,39 @@ TEST_P( RigidState, ObeysTheGame )
 	EXPECT_EQ( test.world.softBodyCount(), 2 );
 }
 
+// Fields and blasts changed the nodes' velocities alone, which the rigid motion then overwrote.
+TEST_P( RigidState, FeelsFieldsAndBlasts )
+{
+	btScalar height[2], velocity[2];
+	for ( const bool isRigid : { false, true } )
+	{
+		TestWorld test;
+		Water water;
+		ASSERT_TRUE( test.world.addForceField( water ).ok() );
+		Material light = material( 1e7f, isRigid ? kStrain : 0.0f );
+		light.density = 500;
+		SoftBody* const body = test.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0.05f, 0 ), light );
+		test.run( 60 );
+		EXPECT_EQ( body->isRigid(), isRigid );
+		test.run( 240 );
+		height[isRigid] = body->massCentre().y();
+		ASSERT_TRUE( test.world.removeForceField( water ) );
+		ASSERT_TRUE( body->reset( at( 0, 5, 0 ) ).ok() );
+		test.world.setGravity( btVector3( 0, 0, 0 ) );
+		test.run( 30 );
+		EXPECT_EQ( body->isRigid(), isRigid );
+		Explosion explosion;
+		explosion.centre = btVector3( -1, 5, 0 );
+		ASSERT_TRUE( test.world.explode( explosion ).ok() );
+		test.run( 5 );
+		velocity[isRigid] = body->linearVelocity().x();
+	}
+	EXPECT_NEAR( height[1], height[0], 0.02 ); // the deformable one bobs on
+	EXPECT_NEAR( height[0], 0, 0.05 ); // half of it is in the water
+	EXPECT_GT( velocity[0], 0.05 );
+	EXPECT_NEAR( velocity[1], velocity[0], 0.01 * velocity[0] );
+}
+
 TEST_P( RigidState, IsTheSameObjectToTheGame )
 {
 	TestWorld test;
