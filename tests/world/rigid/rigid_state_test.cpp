@@ -243,7 +243,7 @@ TEST_P( RigidState, FeelsFieldsAndBlasts )
 		velocity[isRigid] = body->linearVelocity().x();
 	}
 	EXPECT_NEAR( height[1], height[0], 0.02 ); // the deformable one bobs on
-	EXPECT_NEAR( height[0], 0, 0.05 ); // half of it is in the water
+	EXPECT_NEAR( height[0], 0, 0.05 );         // half of it is in the water
 	EXPECT_GT( velocity[0], 0.05 );
 	EXPECT_NEAR( velocity[1], velocity[0], 0.01 * velocity[0] );
 }
