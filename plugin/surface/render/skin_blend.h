@@ -42,6 +42,9 @@ public:
 
 	std::size_t bytes() const { return m_before.capacity() * sizeof( float ); }
 
+	/// Adds `by`, m, to the positions of the state.
+	void shift( const Eigen::Vector3d& by ) { m_origin += by; }
+
 private:
 	AlignedArray<float> m_before; ///< kSkinMapFloats per node
 	Eigen::Vector3d m_origin = Eigen::Vector3d::Zero();

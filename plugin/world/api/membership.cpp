@@ -57,8 +57,7 @@ bool SoftBodySystem::remove( SoftBody& body )
 	SoftBody::Impl& impl = body.impl();
 	if ( impl.twin )
 	{
-		implicitSolve().forget( *impl.twin );
-		impl.becomeDeformable( body );
+		deform( body );
 	}
 	if ( impl.self )
 	{

@@ -112,7 +112,7 @@ int SoftBody::nodeCount() const
 
 int SoftBody::nodeOfShapeIndex( int shapeIndex ) const
 {
-	const bool isChild = shapeIndex >= 0 && shapeIndex < m_impl->shape->getNumChildShapes();
+	const bool isChild = !m_impl->twin && shapeIndex >= 0 && shapeIndex < m_impl->shape->getNumChildShapes();
 	return isChild ? m_impl->shape->nodeOfChild( shapeIndex ) : -1;
 }
 

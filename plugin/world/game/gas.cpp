@@ -180,12 +180,20 @@ btScalar SoftBody::gasPressure( int cavity ) const
 
 btScalar SoftBody::gasVolume( int cavity ) const
 {
-	if ( !m_impl->forces || cavity < 0 || cavity >= int( m_impl->forces->cavities.size() ) )
+	if ( !m_impl->forces )
 	{
 		return btScalar( 0 );
 	}
 	SurfaceForces& forces = *m_impl->forces;
 	forces.boundary.update( *m_impl->body, m_impl->fractureVersion );
+	if ( forces.cavityVersion != m_impl->fractureVersion )
+	{
+		forces.findCavities( *m_impl->body, m_impl->fractureVersion, false ); // it has broken since
+	}
+	if ( cavity < 0 || cavity >= int( forces.cavities.size() ) )
+	{
+		return btScalar( 0 );
+	}
 	return btScalar( -forces.boundary.volume( forces.cavities[std::size_t( cavity )].surface ) );
 }
 

@@ -185,6 +185,14 @@ void shiftSoft( SoftBody& body, const btVector3& by )
 	{
 		origin += by;
 	}
+	if ( impl.skin.blend )
+	{
+		impl.skin.blend->kept.shift( far );
+	}
+	if ( impl.follower )
+	{
+		impl.follower->shift( far );
+	}
 	for ( ContactProxy* proxy : impl.touched )
 	{
 		shiftObject( *proxy, by );
@@ -200,6 +208,10 @@ void SoftBodySystem::shift( const btVector3& by )
 	for ( SoftBody* body : m_bodies )
 	{
 		shiftSoft( *body, by );
+	}
+	for ( Frame& frame : frames.all() )
+	{
+		frame.at += toVec3d( by ); // its rigid body is shifted with the others
 	}
 }
 

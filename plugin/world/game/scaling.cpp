@@ -40,8 +40,8 @@ Status SoftBody::setScale( btScalar scale )
 	Impl& impl = *m_impl;
 	if ( impl.twin )
 	{
-		impl.becomeDeformable( *this );
-		impl.system ? impl.system->removeContacts( *this ) : void();
+		impl.system->deform( *this ); // a body outside of a world deforms
+		impl.system->removeContacts( *this );
 	}
 	const std::shared_ptr<const BodyTemplate> whole = impl.unscaled ? impl.unscaled : impl.bodyTemplate;
 	const std::shared_ptr<const Lattice> before = impl.bodyTemplate->sharedLattice();

@@ -16,6 +16,7 @@ BodyRecord BodyRecord::of( const SoftBody& body )
 	BodyRecord record;
 	record.serial = impl.serial;
 	record.isDrawn = impl.isDrawn();
+	record.isRigid = impl.twin != nullptr;
 	record.motion = ObjectState::of( body );
 	record.settings = ObjectSettings::of( body );
 	if ( const btBroadphaseProxy* const proxy = body.getBroadphaseHandle() )
@@ -33,7 +34,7 @@ BodyRecord BodyRecord::of( const SoftBody& body )
 
 void BodyRecord::archive( Archive& archive )
 {
-	archive( serial, bodyTemplate, group, mask, family, cuts, isDrawn, motion, settings, pins );
+	archive( serial, bodyTemplate, group, mask, family, cuts, isDrawn, isRigid, motion, settings, pins );
 }
 
 void BodyRecord::write( Archive& archive, const SoftBody& body, BodyRecord& record )
@@ -88,6 +89,7 @@ void BodyRecord::read( Archive& archive, const std::vector<std::shared_ptr<const
 	made->archiveState( state );
 	archive.require( state.isSound(), state.problem() );
 	archive.require( !state.isSound() || state.left() == 0, "A body has more state than it needs." );
+	archive.require( !archive.isSound() || isRigid == ( made->body->rigidState() != nullptr ), "A body's rigid state is not what it says." );
 	const int count = archive.isSound() ? made->body->nodeCount() : 0;
 	for ( const StoredPin& pin : pins )
 	{

@@ -30,6 +30,7 @@ struct BodyRecord
 	int group = 0, mask = 0;
 	int family = -1, cuts = -1; ///< index in the snapshot; -1: none
 	bool isDrawn = false;
+	bool isRigid = false; ///< in its rigid state: none of its nodes touches anything
 	ObjectState motion;
 	ObjectSettings settings;
 	std::vector<StoredPin> pins;

@@ -151,6 +151,12 @@ bool WorldSnapshot::isBodyNode( int object, int node ) const
 	return node >= 0 && node < ( made ? made->body->nodeCount() : m_live[record]->nodeCount() );
 }
 
+/// A body in its rigid state is touched as a rigid one.
+bool WorldSnapshot::hasNodes( int object ) const
+{
+	return isSoft( object ) && !m_records[std::size_t( m_entries[std::size_t( object )].record )].isRigid;
+}
+
 void WorldSnapshot::checkPair( Archive& archive, const PairRecord& pair ) const
 {
 	archive.require( isObject( pair.first ) && isObject( pair.second ), "A pair has an object that is not there." );
@@ -160,12 +166,12 @@ void WorldSnapshot::checkPair( Archive& archive, const PairRecord& pair ) const
 		return;
 	}
 	const bool isSelf = pair.first == pair.second;
-	const int soft = isSoft( pair.first ) ? pair.first : pair.second, other = soft == pair.first ? pair.second : pair.first;
-	archive.require( isSoft( soft ) && pair.contacts.size() == pair.soft.keys.size(), "A contact has no body." );
+	const int soft = hasNodes( pair.first ) ? pair.first : pair.second, other = soft == pair.first ? pair.second : pair.first;
+	archive.require( hasNodes( soft ) && pair.contacts.size() == pair.soft.keys.size(), "A contact has no body." );
 	for ( const std::uint64_t key : pair.soft.keys )
 	{
 		archive.require(
-			isBodyNode( soft, int( key >> 32 ) ) && ( ( !isSelf && !isSoft( other ) ) || isBodyNode( other, int( key & 0xffffffffu ) ) ),
+			isBodyNode( soft, int( key >> 32 ) ) && ( ( !isSelf && !hasNodes( other ) ) || isBodyNode( other, int( key & 0xffffffffu ) ) ),
 			"A contact is of a node that does not exist." );
 	}
 	archive.require( std::adjacent_find( pair.soft.keys.begin(), pair.soft.keys.end(), std::greater_equal<>() ) == pair.soft.keys.end(),

@@ -91,6 +91,7 @@ private:
 	bool isSoft( int object ) const { return m_entries[std::size_t( object )].record >= 0; }
 	bool isObject( int object ) const { return object >= 0 && std::size_t( object ) < m_entries.size(); }
 	bool isBodyNode( int object, int node ) const;
+	bool hasNodes( int object ) const;
 
 	// Putting in place.
 	void endContacts();

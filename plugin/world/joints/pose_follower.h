@@ -47,6 +47,8 @@ public:
 
 	/// Sets targets, by cell.
 	void setTargets( std::vector<Vec3d> wanted, bool jumps );
+	/// Adds `by`, m, to the targets.
+	void shift( const Vec3d& by );
 	/// Fills the body's NodePull for a substep of length h, s, which is `number` of `count`; clears it where nothing acts. `gravity`: of
 	/// the body, m/s^2.
 	void pull( Body& body, double h, int number, int count, const Vec3& gravity );

@@ -39,6 +39,15 @@ bool SoftBodySystem::canBeRigid( const SoftBody& body ) const
 		std::none_of( frames.all().begin(), frames.all().end(), [&body]( const Frame& frame ) { return frame.body == &body; } );
 }
 
+void SoftBodySystem::deform( SoftBody& body )
+{
+	for ( ImplicitSolve& solve : m_implicit )
+	{
+		solve.forget( *body.impl().twin );
+	}
+	body.impl().becomeDeformable( body );
+}
+
 void SoftBodySystem::removeContacts( SoftBody& body )
 {
 	if ( btBroadphaseProxy* const proxy = body.getBroadphaseHandle() )
@@ -63,7 +72,7 @@ void SoftBodySystem::deformLoaded( btScalar gameStep )
 		SoftBody::Impl& impl = body->impl();
 		if ( impl.twin && ( impl.mustDeform || !canBeRigid( *body ) || isOverloaded( impl ) ) )
 		{
-			impl.becomeDeformable( *body );
+			deform( *body );
 			removeContacts( *body );
 			body->activate();
 		}

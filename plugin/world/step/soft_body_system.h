@@ -61,6 +61,8 @@ public:
 	void deformLoaded( btScalar gameStep );
 	/// At the end of a game step: bodies that hardly deform enter it.
 	void makeRigid( btScalar gameStep );
+	/// A body leaves its rigid state. Its contacts must be removed afterwards.
+	void deform( SoftBody& body );
 	/// After a body's shape was replaced.
 	void removeContacts( SoftBody& body );
 	/// Around Bullet's solver: manifolds refer to the twins of bodies in their rigid state.

@@ -126,8 +126,8 @@ void WorldStep::makePasses( btScalar timeStep, int substeps )
 	}
 	if ( m_isStepping )
 	{
+		bodies.contactEvents.endStep( *m_parts.dispatcher, bodies.bodies(), m_parts.world ); // before shapes change
 		bodies.endStep();
-		bodies.contactEvents.endStep( *m_parts.dispatcher, bodies.bodies(), m_parts.world );
 	}
 	m_isStepping = false;
 }

@@ -302,6 +302,12 @@ TEST( Skeleton, FollowsGivenTargets )
 	EXPECT_FALSE( body->isActive() );
 	ASSERT_TRUE( setTargets( *body, targets.data(), int( targets.size() ) ).ok() );
 	EXPECT_FALSE( body->isActive() ); // nothing new
+	// Targets move with the origin of the world.
+	ASSERT_TRUE( test.world.shiftOrigin( btVector3( 64, 0, 0 ) ).ok() );
+	body->activate( true );
+	test.run( 30 );
+	EXPECT_NEAR( body->massCentre().x(), 64, 0.03 );
+	EXPECT_NEAR( body->massCentre().y(), 1, 0.03 );
 	targets[0] += btVector3( 0, btScalar( 0.1 ), 0 );
 	ASSERT_TRUE( setTargets( *body, targets.data(), int( targets.size() ) ).ok() );
 	EXPECT_TRUE( body->isActive() );

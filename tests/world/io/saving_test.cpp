@@ -132,6 +132,35 @@ TEST( Saving, GoingBackBeforeABreakKeepsTheBodyAndEndsItsFragments )
 	EXPECT_EQ( body->surface().triangleCount, cube()->triangleCount() );
 }
 
+// Contacts of a deformable body with one in its rigid state name nodes of the first alone, whichever entered the world first.
+TEST( Saving, BodiesInTheirRigidStateComeBack )
+{
+	for ( const bool isRigidFirst : { false, true } )
+	{
+		TestWorld world;
+		world.addFloor();
+		Material rigid = test::implicit( 1e7f );
+		rigid.rigidStrain = 0.01f;
+		const auto addRigid = [&] { return world.addSoft( block( 2, 2, 2, 0.1f ), at( 0, 0.105f, 0 ), rigid ); };
+		SoftBody* const first = isRigidFirst ? addRigid() : nullptr;
+		SoftBody* const soft = world.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0.41f, 0 ), test::implicit( 1e5f ) );
+		SoftBody* const body = first ? first : addRigid();
+		world.run( 40 );
+		ASSERT_TRUE( body->isRigid() && !soft->isRigid() );
+		const Bytes saved = savedWorld( world.world );
+		const btVector3 before = body->massCentre();
+		world.run( 20 );
+		ASSERT_TRUE( body->setLinearVelocity( btVector3( 3, 0, 0 ) ).ok() );
+		world.run( 20 );
+		const auto restored = restoreWorld( world.world, saved );
+		ASSERT_TRUE( restored.ok() ) << restored.status.sentence;
+		EXPECT_TRUE( body->isRigid() );
+		EXPECT_EQ( body->massCentre(), before );
+		world.run( 20 );
+		EXPECT_LT( body->massCentre().distance( before ), 0.01 );
+	}
+}
+
 TEST( Saving, GoingForwardAgainCreatesTheFragments )
 {
 	TestWorld world;

@@ -282,6 +282,29 @@ TEST_P( RigidState, IsTheSameObjectToTheGame )
 	EXPECT_EQ( test.world.softBodyCount(), 0 );
 }
 
+// The contact ended and began anew in events when the node spheres gave way to hulls.
+TEST_P( RigidState, KeepsItsContactsInEvents )
+{
+	TestWorld test;
+	test.addFloor();
+	SoftBody* const body = test.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0.201f, 0 ), material( 1e7f ) );
+	body->setContactEvents( true );
+	int began = 0, ended = 0;
+	for ( int frame = 0; frame < 40; ++frame )
+	{
+		test.run( 1 );
+		for ( const ContactEvent& event : test.world.contactEvents() )
+		{
+			began += event.began ? 1 : 0;
+			ended += event.ended ? 1 : 0;
+		}
+	}
+	EXPECT_TRUE( body->isRigid() );
+	EXPECT_EQ( began, 1 );
+	EXPECT_EQ( ended, 0 );
+	EXPECT_EQ( body->nodeOfShapeIndex( 0 ), -1 ); // rays meet hulls
+}
+
 TEST_P( RigidState, ShapeFollowsTheMaterial )
 {
 	// A U of three blocks: its hull would hold the gap, into which a ball falls.
