@@ -21,4 +21,19 @@ private:
 	std::vector<double> m_steps; ///< s, from the first crack on
 };
 
+/// A scene that counts what becomes of its bodies.
+class ShardScene : public Scene
+{
+public:
+	/// `name`: of what breaks. `smallCells`: as of ShardCount::table.
+	ShardScene( const char* name, int smallCells ) : m_name( name ), m_smallCells( smallCells ) {}
+	void afterStep( Stage& stage, double seconds ) override { m_count.note( stage, seconds ); }
+	std::vector<FindingTable> findings( const Stage& stage ) const override { return { m_count.table( stage, m_name, m_smallCells ) }; }
+
+private:
+	const char* m_name;
+	int m_smallCells;
+	ShardCount m_count;
+};
+
 } // namespace pliant_demos

@@ -20,9 +20,10 @@ constexpr btScalar kBrickWallSpeed = btScalar( 12 ); // m/s
 constexpr btScalar kMass = btScalar( 400 );          // kg
 constexpr int kBrickWallCrumb = 4;                   // cells
 
-class BrickWall : public Scene
+class BrickWall : public ShardScene
 {
 public:
+	BrickWall() : ShardScene( "wall", kBrickWallCrumb ) {}
 	bool init( Stage& stage ) override
 	{
 		stage.addGround( btScalar( 0.7 ) );
@@ -61,10 +62,6 @@ public:
 		return true;
 	}
 
-	void afterStep( Stage& stage, double seconds ) override { m_count.note( stage, seconds ); }
-
-	std::vector<FindingTable> findings( const Stage& stage ) const override { return { m_count.table( stage, "wall", kBrickWallCrumb ) }; }
-
 	double duration() const override { return 2.0; }
 	int slowness() const override { return 2; }
 	pliant_glue::DrawCamera camera( double ) const override { return { { 1.9f, 1.5f, 3.4f }, { 0.0f, 0.5f, -0.3f }, 36.0f }; }
@@ -89,7 +86,6 @@ private:
 		return points;
 	}
 
-	ShardCount m_count;
 	std::vector<int> m_brick; ///< of each centre
 };
 

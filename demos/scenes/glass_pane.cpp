@@ -22,9 +22,10 @@ constexpr btScalar kGlassPaneBallMass = btScalar( 3 );                          
 constexpr btScalar kGlassPaneSpeed = btScalar( 14 );                                 // m/s
 constexpr int kGlassPaneCrumb = 6;                                                   // cells
 
-class GlassPane : public Scene
+class GlassPane : public ShardScene
 {
 public:
+	GlassPane() : ShardScene( "pane", kGlassPaneCrumb ) {}
 	bool init( Stage& stage ) override
 	{
 		stage.addGround( btScalar( 0.6 ) );
@@ -66,10 +67,6 @@ public:
 		return true;
 	}
 
-	void afterStep( Stage& stage, double seconds ) override { m_count.note( stage, seconds ); }
-
-	std::vector<FindingTable> findings( const Stage& stage ) const override { return { m_count.table( stage, "pane", kGlassPaneCrumb ) }; }
-
 	double duration() const override { return 1.5; }
 	int slowness() const override { return 4; }
 	pliant_glue::DrawCamera camera( double ) const override { return { { 0.9f, 1.05f, 2.4f }, { 0.0f, 0.62f, 0 }, 36.0f }; }
@@ -87,7 +84,6 @@ private:
 		stage.addBox( btVector3( kFrame, btScalar( kHeight ), depth ), at( side, middle ), 0, kOak );
 	}
 
-	ShardCount m_count;
 };
 
 } // namespace

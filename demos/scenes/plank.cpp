@@ -28,9 +28,10 @@ float woodToughness( const float*, const float* direction, void* )
 	return 0.4f + 0.6f * along; // wood splits along its grain
 }
 
-class Plank : public Scene
+class Plank : public ShardScene
 {
 public:
+	Plank() : ShardScene( "plank", kPlankCrumb ) {}
 	bool init( Stage& stage ) override
 	{
 		stage.addGround( btScalar( 0.6 ) );
@@ -78,10 +79,6 @@ public:
 		}
 	}
 
-	void afterStep( Stage& stage, double seconds ) override { m_count.note( stage, seconds ); }
-
-	std::vector<FindingTable> findings( const Stage& stage ) const override { return { m_count.table( stage, "plank", kPlankCrumb ) }; }
-
 	double duration() const override { return 2.0; }
 	int slowness() const override { return 2; }
 	pliant_glue::DrawCamera camera( double ) const override { return { { 0.7f, 1.05f, 1.7f }, { 0.0f, 0.42f, 0 }, 38.0f }; }
@@ -98,7 +95,6 @@ private:
 	const btVector3 kHand = btVector3( btScalar( 0.06 ), btScalar( 0.06 ), btScalar( 0.3 ) );
 	btRigidBody* m_hand[2] = {};
 	btScalar m_down = 0;
-	ShardCount m_count;
 };
 
 } // namespace

@@ -31,9 +31,10 @@ const std::vector<std::array<float, 2>>& vaseLine()
 	return kLine;
 }
 
-class VaseShatter : public Scene
+class VaseShatter : public ShardScene
 {
 public:
+	VaseShatter() : ShardScene( "vase", kCrumb ) {}
 	bool init( Stage& stage ) override
 	{
 		stage.addGround( btScalar( 0.6 ) );
@@ -57,23 +58,16 @@ public:
 		order.friction = btScalar( 0.6 );
 		order.colour = kTeal;
 		order.insideColour = kOchre; // clay under the glaze
-		m_vase = stage.addSoft( order );
+		const pliant::SoftBody* const vase = stage.addSoft( order );
 		stage.addSphere( kVaseShatterBall, btVector3( kVaseShatterAside / 2, kFallsFrom, kVaseShatterAside ), kBallMass, kBrick );
-		return m_vase != nullptr;
+		return vase != nullptr;
 	}
-
-	void afterStep( Stage& stage, double seconds ) override { m_count.note( stage, seconds ); }
-
-	std::vector<FindingTable> findings( const Stage& stage ) const override { return { m_count.table( stage, "vase", kCrumb ) }; }
 
 	double duration() const override { return 2.0; }
 	int slowness() const override { return 2; }
 	pliant_glue::DrawCamera camera( double ) const override { return { { 0.75f, 1.20f, 3.0f }, { 0.0f, 0.34f, 0 }, 32.0f }; }
 	pliant_glue::DrawLight light() const override { return { { -0.45f, 0.75f, 0.50f }, { 0.0f, 0.4f, 0 }, 1.8f }; }
 
-private:
-	pliant::SoftBody* m_vase = nullptr;
-	ShardCount m_count;
 };
 
 } // namespace

@@ -196,7 +196,8 @@ public:
 	void becomeDeformable();
 	/// The smaller of Material::rigidStrain and a part of the strain at which the weakest link breaks.
 	double largestInvisibleStrain() const;
-	double speedOfSound() const; ///< sqrt( E / rho ), m/s
+	/// Of a vibration or an approach that strains the body by as much, m/s.
+	double largestInvisibleVelocity() const;
 
 	// --- one substep of length h, s ---------------------------------------------------------------------------------
 	/// Shape matching and damping: v += (alpha e + k de) / h, and wobble damping of v. `runner` may be null (calling thread only).
@@ -244,6 +245,8 @@ public:
 
 	// --- measures ---------------------------------------------------------------------------------------------------
 	BodySums sums() const;
+	/// The inertia of all nodes as mass points about a point relative to `NodeState::origin`, kg m^2.
+	Eigen::Matrix3d inertiaAbout( const Vec3d& point ) const;
 	/// The spin over the inertia of all nodes as mass points, rad/s; zero about an axis on which all nodes lie.
 	Vec3d angularVelocity() const;
 	/// The same for another spin about the mass centre, kg m^2/s.
@@ -314,6 +317,7 @@ private:
 	void keepVelocities( TaskRunner* runner );
 	/// Nothing in it deforms: a single node, or a small piece of SmallPieces::Rigid.
 	bool isInelastic() const;
+	double speedOfSound() const; ///< sqrt( E / rho ), m/s
 	bool movesRigidly() const;
 	bool isHardlyStrained() const;
 	void keepFiniteState();

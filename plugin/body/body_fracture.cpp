@@ -71,8 +71,8 @@ Result<GivenCentres> readCentres( const Fracture& fracture, const ShardCentres& 
 	}
 	for ( int k = 0; k < centres.count; ++k )
 	{
-		const Vec3 place = Eigen::Map<const Vec3>( centres.points + 3 * std::size_t( k ) );
-		if ( !place.allFinite() || place.cwiseAbs().maxCoeff() > kFarthestCentre )
+		const Vec3 position = Eigen::Map<const Vec3>( centres.points + 3 * std::size_t( k ) );
+		if ( !position.allFinite() || position.cwiseAbs().maxCoeff() > kFarthestCentre )
 		{
 			return Answer::failure( ResultCode::BadArgument, "ShardCentres: a coordinate is not finite, or beyond 1e6 m." );
 		}
@@ -81,7 +81,7 @@ Result<GivenCentres> readCentres( const Fracture& fracture, const ShardCentres& 
 		{
 			return Answer::failure( ResultCode::BadArgument, "ShardCentres: the number of a shard is below 0." );
 		}
-		given.place.push_back( place.cast<double>() );
+		given.position.push_back( position.cast<double>() );
 		given.shard.push_back( std::uint32_t( shard ) );
 	}
 	return Answer::success( std::move( given ) );

@@ -31,21 +31,21 @@ BodySums Body::sums() const
 	return sums;
 }
 
-Vec3d Body::angularVelocity() const
+Eigen::Matrix3d Body::inertiaAbout( const Vec3d& point ) const
 {
-	return angularVelocityOf( sums().spin );
-}
-
-Vec3d Body::angularVelocityOf( const Vec3d& spin ) const
-{
-	const BodySums whole = sums();
 	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
 	for ( int i = 0; i < m_nodes.count; ++i )
 	{
-		const Vec3d arm = m_nodes.x.get( i ).cast<double>() - whole.centre;
+		const Vec3d arm = m_nodes.x.get( i ).cast<double>() - point;
 		second += double( m_nodes.mass[i] ) * arm * arm.transpose();
 	}
-	return inverseOfPart( second.trace() * Eigen::Matrix3d::Identity() - second, whole.mass ) * spin;
+	return second.trace() * Eigen::Matrix3d::Identity() - second;
+}
+
+Vec3d Body::angularVelocity() const
+{
+	const BodySums whole = sums();
+	return inverseOfPart( inertiaAbout( whole.centre ), whole.mass ) * whole.spin;
 }
 
 Placement Body::bestFit( const Eigen::Quaterniond& guess ) const

@@ -65,6 +65,11 @@ bool Body::isInelastic() const
 	return m_nodes.count == 1 || isRigidCluster;
 }
 
+double Body::largestInvisibleVelocity() const
+{
+	return largestInvisibleStrain() * speedOfSound();
+}
+
 double Body::largestInvisibleStrain() const
 {
 	if ( isInelastic() )
@@ -83,7 +88,7 @@ bool Body::movesRigidly() const
 {
 	const BodySums whole = sums();
 	const Vec3d turning = angularVelocity();
-	const double limit = largestInvisibleStrain() * speedOfSound();
+	const double limit = largestInvisibleVelocity();
 	for ( int i = 0; i < m_nodes.count; ++i )
 	{
 		const Vec3d arm = m_nodes.x.get( i ).cast<double>() - whole.centre;
@@ -140,13 +145,7 @@ void Body::becomeRigid()
 	m_rigid = std::make_unique<RigidState>();
 	RigidState& state = *m_rigid;
 	const BodySums whole = sums();
-	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
-	for ( int i = 0; i < m_nodes.count; ++i )
-	{
-		const Vec3d arm = m_nodes.x.get( i ).cast<double>() - whole.centre;
-		second += double( m_nodes.mass[i] ) * arm * arm.transpose();
-	}
-	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( second.trace() * Eigen::Matrix3d::Identity() - second );
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( inertiaAbout( whole.centre ) );
 	Eigen::Matrix3d frame = axes.eigenvectors();
 	if ( frame.determinant() < 0.0 )
 	{
@@ -213,12 +212,12 @@ void Body::followVelocities()
 
 void Body::applyRigidForces( float h, const Vec3d& gravity )
 {
-	for ( int i = 0; i < m_nodes.count && !m_fieldForce.x.empty(); ++i )
-	{
-		m_nodes.v.set( i, m_nodes.v.get( i ) + ( h / m_nodes.mass[i] ) * m_fieldForce.get( i ) );
-	}
 	if ( !m_fieldForce.x.empty() )
 	{
+		for ( int i = 0; i < m_nodes.count; ++i )
+		{
+			m_nodes.v.set( i, m_nodes.v.get( i ) + ( h / m_nodes.mass[i] ) * m_fieldForce.get( i ) );
+		}
 		followVelocities();
 	}
 	setRigidVelocities( m_rigid->motion.velocity + double( h ) * gravity, m_rigid->motion.angularVelocity );

@@ -63,11 +63,8 @@ void saveState( benchmark::State& state, Place place )
 	report( state, world, bytes );
 }
 
-/// `steps`: the game steps at once, and casts no rays before.
-void restoreState( benchmark::State& state, Place place, bool steps )
+void restoreState( benchmark::State& state, Place place )
 {
-	LoadSettings settings;
-	settings.withQueries = !steps;
 	test::SoftWorld world;
 	fill( world, place );
 	std::vector<std::byte> bytes;
@@ -75,7 +72,7 @@ void restoreState( benchmark::State& state, Place place, bool steps )
 	world.step( 1 );
 	for ( auto _ : state )
 	{
-		const bool isRestored = restoreWorld( world.world, bytes, settings ).ok();
+		const bool isRestored = restoreWorld( world.world, bytes ).ok();
 		benchmark::DoNotOptimize( isRestored );
 	}
 	report( state, world, bytes );
@@ -86,9 +83,7 @@ const int kRegistered = [] {
 	{
 		const std::string name = place == InFlight ? "inFlight" : "onFloor";
 		benchmark::RegisterBenchmark( ( "snapshotSave/" + name ).c_str(), saveState, place )->Unit( benchmark::kMicrosecond );
-		benchmark::RegisterBenchmark( ( "snapshotRestore/" + name ).c_str(), restoreState, place, false )->Unit( benchmark::kMicrosecond );
-		benchmark::RegisterBenchmark( ( "snapshotRestoreToStep/" + name ).c_str(), restoreState, place, true )
-			->Unit( benchmark::kMicrosecond );
+		benchmark::RegisterBenchmark( ( "snapshotRestore/" + name ).c_str(), restoreState, place )->Unit( benchmark::kMicrosecond );
 	}
 	return 0;
 }();

@@ -22,7 +22,7 @@ namespace pliant {
 /// ShardCentres as given by a game.
 struct GivenCentres
 {
-	std::vector<Vec3d> place;         ///< mesh coordinates
+	std::vector<Vec3d> position;      ///< mesh coordinates, m
 	std::vector<std::uint32_t> shard; ///< of each centre
 };
 
@@ -42,9 +42,9 @@ public:
 
 	/// Finds where the material is stretched beyond its strength. `limits` made for candidateStrain().
 	void findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions );
-	/// Adds the place of a cell under a coarse node, if its F is stretched beyond the strength. After findOverloads.
+	/// Adds a cell under a coarse node to the overloaded cells if its F exceeds the strength. Call after findOverloads.
 	void noteOverload( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, const Eigen::Matrix3d& deformation );
-	/// Runs cracks from these places, and adds the links that break, ascending; false where there are no such places. `positions` is called
+	/// Runs cracks from the overloaded cells and adds the links that break, ascending. Returns false if none is overloaded. `positions` is called
 	/// where there are: of each cell, relative to any origin.
 	bool run( const Lattice& lattice, const LinkLimits& limits, const std::function<std::vector<Vec3d>()>& positions,
 		std::vector<CellLink>& broken );

@@ -146,10 +146,10 @@ double leastMass( const Lattice& lattice, const std::vector<std::uint32_t>& grou
 ShardCracks::ShardCracks( const Lattice& lattice, const Fracture& settings, const GivenCentres& given ) : m_settings( settings )
 {
 	m_law.size = sizeOfShards( lattice, settings.shardSize );
-	m_awaitsImpact = given.place.empty() && settings.shardPattern == ShardPattern::Rings;
-	if ( !given.place.empty() )
+	m_awaitsImpact = given.position.empty() && settings.shardPattern == ShardPattern::Rings;
+	if ( !given.position.empty() )
 	{
-		m_centres = std::make_shared<const ShardCentreSet>( ShardSpace( Vec3d::Zero(), 1.0, 0.0, 1.0, 0 ), m_law.size, given.place );
+		m_centres = std::make_shared<const ShardCentreSet>( ShardSpace( Vec3d::Zero(), 1.0, 0.0, 1.0, 0 ), m_law.size, given.position );
 	}
 	if ( m_awaitsImpact )
 	{

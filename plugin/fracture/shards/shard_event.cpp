@@ -157,10 +157,10 @@ void ShardEvent::open( Border& border )
 
 bool ShardEvent::isShielded( const ShardOverload& overload ) const
 {
-	const Vec3d place = rest( overload.cell );
+	const Vec3d position = rest( overload.cell );
 	const double excess = double( overload.excess );
 	return std::any_of( m_cracks.begin(), m_cracks.end(), [&]( const Crack& crack ) {
-		const double away = ( place - place.cwiseMax( crack.low ).cwiseMin( crack.high ) ).norm();
+		const double away = ( position - position.cwiseMax( crack.low ).cwiseMin( crack.high ) ).norm();
 		return std::fabs( crack.normal.dot( overload.normal ) ) > kSameCrackCosine &&
 			away * excess * excess < m_law.size + 0.5 * ( crack.high - crack.low ).norm();
 	} );

@@ -19,7 +19,7 @@ struct ShardLaw
 	double size = 0.0;          ///< of shards, m
 };
 
-/// A place where the material is stretched beyond its strength.
+/// A cell whose material is stretched beyond its strength.
 struct ShardOverload
 {
 	std::uint32_t cell;

@@ -29,7 +29,7 @@ enum class BreakRule : int
 enum class ShardPattern : int
 {
 	Scattered, ///< at random, of about equal size. Default. Longer along Fracture::grain where that is set.
-	/// In rings around the place that breaks first, larger further away, and in sectors: glass. Fracture::grain is the axis of the rings;
+	/// In rings around the point that breaks first, larger further away, and in sectors: glass. Fracture::grain is the axis of the rings;
 	/// zero: the direction in which the body is thinnest.
 	Rings
 };

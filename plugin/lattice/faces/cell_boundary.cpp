@@ -1,5 +1,7 @@
 #include "lattice/faces/cell_boundary.h"
 
+#include "lattice/axis_neighbours.h"
+
 #include "lattice/union_find.h"
 
 #include <Eigen/Geometry>
@@ -64,24 +66,13 @@ void joinCorners( const Lattice& lattice, UnionFind& joined )
 
 std::vector<Face> findFaces( const Lattice& lattice )
 {
+	const AxisNeighbours beside = findAxisNeighbours( lattice );
 	std::vector<Face> faces;
 	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
 	{
-		bool isLinked[6] = {};
-		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
-		{
-			const Eigen::Vector3i step = lattice.coordinate[lattice.linkTo[k]].cast<int>() - lattice.coordinate[i].cast<int>();
-			for ( int axis = 0; axis < 3 && step.cwiseAbs().sum() == 1; ++axis )
-			{
-				if ( step[axis] != 0 )
-				{
-					isLinked[2 * axis + ( step[axis] > 0 ? 1 : 0 )] = true;
-				}
-			}
-		}
 		for ( int side = 0; side < 6; ++side )
 		{
-			if ( !isLinked[side] )
+			if ( beside[i][std::size_t( side )] < 0 )
 			{
 				Eigen::Vector3i front = lattice.coordinate[i].cast<int>();
 				front[side / 2] += side % 2 == 1 ? 1 : -1;

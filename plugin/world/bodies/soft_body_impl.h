@@ -187,11 +187,7 @@ struct SoftBody::Impl
 	std::unique_ptr<ContactRecords> contactRecords;     ///< null: no contact events are wanted
 
 	std::unique_ptr<RigidTwin> twin; ///< null while the body deforms
-	struct TwinLoad
-	{
-		double impulse = 0.0, load = 0.0, firstLoad = 0.0; ///< RigidTwin's
-	};
-	TwinLoad twinLoad;           ///< of the state that was read
+	RigidLoad rigidLoad;
 	bool mustDeform = false;     ///< from the next step on; ignored without a twin
 	int rigidWait = kRigidStart; ///< game steps until it is tested for its rigid state
 
@@ -375,6 +371,11 @@ inline Vec3d toVec3d( const btVector3& a )
 inline btVector3 toBt( const Vec3d& a )
 {
 	return btVector3( btScalar( a.x() ), btScalar( a.y() ), btScalar( a.z() ) );
+}
+
+inline btTransform toBt( const Eigen::Quaterniond& q, const Vec3d& at )
+{
+	return btTransform( btQuaternion( btScalar( q.x() ), btScalar( q.y() ), btScalar( q.z() ), btScalar( q.w() ) ), toBt( at ) );
 }
 
 inline bool isFinite( const btVector3& a )

@@ -60,8 +60,7 @@ private:
 };
 
 /// Registers our create functions in a dispatcher's two tables, in front of the previous ones, for all pairs with a compound, which a soft
-/// body's shape is. Shared by all worlds of a dispatcher; exists as long as one of them has a soft
-/// body.
+/// body's shape is. Shared by all worlds of a dispatcher; exists as long as one of them has a soft body.
 class AlgorithmTable
 {
 public:

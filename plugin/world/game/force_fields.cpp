@@ -113,7 +113,12 @@ void ForceFields::push( SoftBody& body, const btVector3& gravity, double h ) con
 	SoftBody::Impl& impl = body.impl();
 	NodeState& nodes = impl.body->nodes();
 	const bool hasGas = impl.forces && impl.forces->gas.law != GasLaw::None;
-	if ( m_fields.empty() && !hasGas )
+	int kinds = 0;
+	for ( const ForceField* field : m_fields )
+	{
+		kinds |= field->actsOn( body ) ? field->m_kinds : 0;
+	}
+	if ( kinds == 0 && !hasGas )
 	{
 		impl.body->fieldForce() = Vec3Array{};
 		impl.fieldAcceleration.setZero();
@@ -121,11 +126,6 @@ void ForceFields::push( SoftBody& body, const btVector3& gravity, double h ) con
 	}
 	Vec3Array& to = impl.body->fieldForce();
 	to.resize( nodes.padded );
-	int kinds = 0;
-	for ( const ForceField* field : m_fields )
-	{
-		kinds |= field->actsOn( body ) ? field->m_kinds : 0;
-	}
 	btVector3 total( 0, 0, 0 );
 	for ( int i = 0; i < nodes.count && ( kinds & ( ForceField::kAcceleration | ForceField::kVolumeForce ) ) != 0; ++i )
 	{

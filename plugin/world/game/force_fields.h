@@ -66,7 +66,6 @@ public:
 	bool remove( ForceField& field );
 	/// The same for one that is being destroyed: it cannot be asked any more what it acted on.
 	void leave( ForceField& field );
-	bool isEmpty() const { return m_fields.empty(); }
 	int count() const { return int( m_fields.size() ); }
 	void wake( const ForceField& field );
 

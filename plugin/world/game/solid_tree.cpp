@@ -1,5 +1,7 @@
 #include "world/game/solid_tree.h"
 
+#include "world/query/sphere_sweep.h"
+
 #include "world/game/constants.h"
 
 #include <algorithm>
@@ -23,27 +25,6 @@ Vec3d nearestOnSegment( const Vec3d& a, const Vec3d& b, const Vec3d& to )
 }
 
 } // namespace
-
-Vec3d nearestOnTriangle( const Vec3d ( &corners )[3], const Vec3d& to )
-{
-	const Vec3d normal = ( corners[1] - corners[0] ).cross( corners[2] - corners[0] );
-	bool isOver = normal.squaredNorm() > 0.0;
-	for ( int k = 0; k < 3 && isOver; ++k )
-	{
-		isOver = ( corners[( k + 1 ) % 3] - corners[k] ).cross( to - corners[k] ).dot( normal ) >= 0.0;
-	}
-	if ( isOver )
-	{
-		return to - normal * ( normal.dot( to - corners[0] ) / normal.squaredNorm() );
-	}
-	Vec3d best = corners[0];
-	for ( int k = 0; k < 3; ++k )
-	{
-		const Vec3d at = nearestOnSegment( corners[k], corners[( k + 1 ) % 3], to );
-		best = ( at - to ).squaredNorm() < ( best - to ).squaredNorm() ? at : best;
-	}
-	return best;
-}
 
 SolidTree::SolidTree( const std::vector<Vec3d>& position, const std::vector<Triangle>& triangles ) :
 	m_position( position ), m_triangles( triangles ), m_order( triangles.size() )
@@ -105,7 +86,8 @@ void SolidTree::visit( std::uint32_t at, const Vec3d& to, Nearest& best ) const
 	{
 		const Triangle& triangle = m_triangles[m_order[k]];
 		const Vec3d corners[3] = { m_position[triangle[0]], m_position[triangle[1]], m_position[triangle[2]] };
-		const Vec3d point = nearestOnTriangle( corners, to );
+		const Vec3d weight = nearestWeights( to, corners );
+		const Vec3d point = weight[0] * corners[0] + weight[1] * corners[1] + weight[2] * corners[2];
 		const double square = ( point - to ).squaredNorm();
 		if ( square < best.squaredDistance )
 		{

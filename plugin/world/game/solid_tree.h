@@ -39,7 +39,4 @@ private:
 	std::vector<Node> m_nodes;
 };
 
-/// The point of a triangle nearest to another point.
-Vec3d nearestOnTriangle( const Vec3d ( &corners )[3], const Vec3d& to );
-
 } // namespace pliant

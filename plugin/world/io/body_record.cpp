@@ -101,7 +101,7 @@ void BodyRecord::read( Archive& archive, const std::vector<std::shared_ptr<const
 	made->wasDrawn = isDrawn;
 }
 
-void BodyRecord::applyTo( SoftBody& body, bool freshens )
+void BodyRecord::applyTo( SoftBody& body )
 {
 	if ( made )
 	{
@@ -112,7 +112,6 @@ void BodyRecord::applyTo( SoftBody& body, bool freshens )
 		body.impl().archiveState( state );
 	}
 	body.impl().followRigidState( body );
-	freshens ? body.impl().shape->freshen() : void();
 	settings.applyTo( body );
 	body.setWorldTransform( motion.transform );
 	body.setInterpolationWorldTransform( motion.interpolation );
@@ -123,6 +122,14 @@ void BodyRecord::applyTo( SoftBody& body, bool freshens )
 	impl.block = impl.blockPart = impl.frictionTorque = -1;
 	impl.contactSurface = ContactSurface();
 	impl.previousShape.reset();
+}
+
+void checkCuts( Archive& archive, const std::vector<CutTrace>& cuts, std::uint32_t cells )
+{
+	for ( const CutTrace& cut : cuts )
+	{
+		archive.require( cut.link.a < cut.link.b && cut.link.b < cells, "A cut is of cells that do not exist." );
+	}
 }
 
 } // namespace pliant

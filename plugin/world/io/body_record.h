@@ -44,8 +44,11 @@ struct BodyRecord
 	static void write( Archive& archive, const SoftBody& body, BodyRecord& record );
 	/// Reads them. `live`: a body that is to be this one, or null; it is read in place later where that cannot fail.
 	void read( Archive& archive, const std::vector<std::shared_ptr<const BodyTemplate>>& templates, SoftBody* live );
-	/// Makes `body` the recorded one, but for what refers to other objects. `freshens`: its shape is ready for queries.
-	void applyTo( SoftBody& body, bool freshens = true );
+	/// Makes `body` the recorded one, but for what refers to other objects.
+	void applyTo( SoftBody& body );
 };
+
+/// Refuses cuts of cells that a template of this many cells does not have.
+void checkCuts( Archive& archive, const std::vector<CutTrace>& cuts, std::uint32_t cells );
 
 } // namespace pliant

@@ -98,10 +98,7 @@ void SoftBody::Impl::archiveState( Archive& archive )
 	archive.owned( forces, [] { return std::make_unique<SurfaceForces>(); } );
 	bool tellsContacts = contactRecords != nullptr;
 	archive( tellsContacts );
-	twinLoad.impulse = twin ? twin->impulse : 0.0;
-	twinLoad.load = twin ? twin->load : 0.0;
-	twinLoad.firstLoad = twin ? twin->firstLoad : 0.0;
-	archive( twinLoad.impulse, twinLoad.load, twinLoad.firstLoad );
+	archive( rigidLoad.impulse, rigidLoad.now, rigidLoad.first );
 	allowance.archive( archive, count );
 	if ( self )
 	{

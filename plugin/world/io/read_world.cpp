@@ -11,7 +11,6 @@ namespace pliant {
 void WorldSnapshot::read( Archive& archive, const LoadSettings& settings )
 {
 	m_movesRigid = settings.withRigidBodies;
-	m_freshens = settings.withQueries;
 	readTemplates( archive, settings );
 	archive( m_entries, m_familySizes, m_cuts );
 	if ( archive.isSound() )
@@ -188,11 +187,10 @@ void WorldSnapshot::checkReferences( Archive& archive )
 		archive.require( record.family >= -1 && record.family < int( m_familySizes.size() ) && record.cuts >= -1 &&
 				record.cuts < int( m_cuts.size() ) && record.serial <= m_values.serials,
 			"A body refers to a family that is not there." );
-		for ( std::size_t k = 0; archive.isSound() && record.cuts >= 0 && k < m_cuts[std::size_t( record.cuts )].size(); ++k )
+		if ( archive.isSound() && record.cuts >= 0 )
 		{
-			const CutTrace& cut = m_cuts[std::size_t( record.cuts )][k];
-			const auto cells = std::uint32_t( m_templates[std::size_t( record.bodyTemplate )]->cellCount() );
-			archive.require( cut.link.a < cut.link.b && cut.link.b < cells, "A cut is of cells that do not exist." );
+			checkCuts( archive, m_cuts[std::size_t( record.cuts )],
+				std::uint32_t( m_templates[std::size_t( record.bodyTemplate )]->cellCount() ) );
 		}
 		for ( const BodyRecord::StoredPin& pin : record.pins )
 		{

@@ -124,7 +124,7 @@ void WorldSnapshot::placeBodies( RestoredWorld& report )
 		BodyRecord& record = m_records[k];
 		if ( SoftBody* const live = m_live[k] )
 		{
-			record.applyTo( *live, m_freshens );
+			record.applyTo( *live );
 			btBroadphaseProxy& proxy = *live->getBroadphaseHandle();
 			proxy.m_collisionFilterGroup = record.group;
 			proxy.m_collisionFilterMask = record.mask;
@@ -132,7 +132,7 @@ void WorldSnapshot::placeBodies( RestoredWorld& report )
 		else
 		{
 			SoftBody* const made = SoftBody::Impl::blank().release();
-			record.applyTo( *made, m_freshens );
+			record.applyTo( *made );
 			m_step.addSoftBody( made, record.group, record.mask );
 			made->impl().isWorldOwned = true;
 			m_bodies.owned.push_back( made );

@@ -148,10 +148,7 @@ Status readBody( BytesView bytes, const LoadSettings& settings, std::unique_ptr<
 		record.read( archive, templates, nullptr );
 	}
 	const auto cells = archive.isSound() ? std::uint32_t( templates[0]->cellCount() ) : 0u;
-	for ( const CutTrace& cut : cuts )
-	{
-		archive.require( cut.link.a < cut.link.b && cut.link.b < cells, "A cut is of cells that do not exist." );
-	}
+	checkCuts( archive, cuts, cells );
 	for ( const BodyRecord::StoredPin& pin : record.pins )
 	{
 		archive.require( pin.kind != PinKind::FollowsBody, "A pin of a single body follows an object." );

@@ -120,7 +120,7 @@ private:
 	BroadphaseRecord m_broadphase;
 	std::vector<PairRecord> m_pairs;
 	ManifoldOrder m_order;
-	bool m_movesRigid = true, m_freshens = true;
+	bool m_movesRigid = true;
 };
 
 } // namespace pliant

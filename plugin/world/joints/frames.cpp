@@ -137,12 +137,6 @@ void release( Frame& frame, const btDiscreteDynamicsWorld& world )
 	frame.rigid->activate( true );
 }
 
-btTransform transformOf( const Frame& frame )
-{
-	const Eigen::Quaterniond& q = frame.rotation;
-	return btTransform( btQuaternion( btScalar( q.x() ), btScalar( q.y() ), btScalar( q.z() ), btScalar( q.w() ) ), toBt( frame.at ) );
-}
-
 } // namespace
 
 Frame::Frame() = default;
@@ -190,7 +184,7 @@ btRigidBody* Frames::add( btDiscreteDynamicsWorld& world, SoftBody& body, const 
 	measure( frame );
 	frame.shape = std::make_unique<btSphereShape>( btScalar( radius ) );
 	btRigidBody::btRigidBodyConstructionInfo info( btScalar( frame.mass ), nullptr, frame.shape.get(), btVector3( 1, 1, 1 ) );
-	info.m_startWorldTransform = transformOf( frame );
+	info.m_startWorldTransform = toBt( frame.rotation, frame.at );
 	frame.rigid = std::make_unique<btRigidBody>( info );
 	frame.rigid->setFlags( BT_DISABLE_WORLD_GRAVITY );
 	world.addRigidBody( frame.rigid.get(), 0, 0 ); // in no pair; without contact response it would be in no island
@@ -273,7 +267,7 @@ void Frames::place( const SoftBody& body )
 		frame.rotation = fitRotation( spread, frame.rotation ).normalized();
 		frame.at = centre - frame.rotation * restCentre;
 		measure( frame );
-		frame.rigid->setCenterOfMassTransform( transformOf( frame ) );
+		frame.rigid->setCenterOfMassTransform( toBt( frame.rotation, frame.at ) );
 	} );
 }
 

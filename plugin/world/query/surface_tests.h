@@ -24,7 +24,7 @@ public:
 	}
 	void getAllContactManifolds( btManifoldArray& ) override {}
 
-	/// Of a pair's two wrappers, whether the first is a soft body's shape as a whole.
+	/// Whether it is the shape of a deformable soft body as a whole.
 	static bool isSurface( const btCollisionObjectWrapper& wrapper );
 };
 

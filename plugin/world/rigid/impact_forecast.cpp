@@ -89,7 +89,7 @@ struct Overlaps : btBroadphaseAabbCallback
 btScalar largestApproach( const SoftBody& body, const btCollisionObject& other )
 {
 	const Body& core = *body.impl().body;
-	const double speed = core.largestInvisibleStrain() * core.speedOfSound();
+	const double speed = core.largestInvisibleVelocity();
 	const double cell = core.rigidState()->mass / double( core.lattice().cellCount() ), mass = double( massOf( other ) );
 	return btScalar( mass < SIMD_INFINITY ? speed * ( mass + cell ) / mass : speed );
 }
@@ -128,7 +128,7 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 	{
 		if ( body->impl().twin )
 		{
-			slowest = std::min( slowest, body->impl().body->largestInvisibleStrain() * body->impl().body->speedOfSound() );
+			slowest = std::min( slowest, body->impl().body->largestInvisibleVelocity() );
 		}
 	}
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();

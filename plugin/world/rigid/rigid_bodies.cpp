@@ -24,8 +24,31 @@ double largestLoad( const Body& body )
 
 bool isOverloaded( const SoftBody::Impl& impl )
 {
-	const RigidTwin& twin = *impl.twin;
-	return twin.load > std::max( kRigidLoad * twin.firstLoad, largestLoad( *impl.body ) );
+	return impl.rigidLoad.now > std::max( kRigidLoad * impl.rigidLoad.first, largestLoad( *impl.body ) );
+}
+
+/// Replaces the sides of manifolds for which `standIn( side, manifold )` is not null.
+template <class StandIn>
+void exchangeSides( btDispatcher& dispatcher, const StandIn& standIn )
+{
+	forEachManifold( dispatcher, prefetchEnd, [&standIn]( btPersistentManifold& manifold ) {
+		const btCollisionObject* const first = standIn( manifold.getBody0(), manifold );
+		const btCollisionObject* const second = standIn( manifold.getBody1(), manifold );
+		if ( first || second )
+		{
+			manifold.setBodies( first ? first : manifold.getBody0(), second ? second : manifold.getBody1() );
+		}
+	} );
+}
+
+double impulseOf( const btPersistentManifold& manifold )
+{
+	double impulse = 0.0;
+	for ( int k = 0; k < manifold.getNumContacts(); ++k )
+	{
+		impulse += std::abs( double( manifold.getContactPoint( k ).m_appliedImpulse ) );
+	}
+	return impulse;
 }
 
 } // namespace
@@ -84,10 +107,7 @@ double SoftBodySystem::loadOn( const SoftBody& body ) const
 	double impulse = 0.0;
 	forEachManifold( m_dispatcher, prefetchEnd, [&]( const btPersistentManifold& manifold ) {
 		const bool isOn = ownerOfContactProxy( manifold.getBody0() ) == &body || ownerOfContactProxy( manifold.getBody1() ) == &body;
-		for ( int k = 0; isOn && k < manifold.getNumContacts(); ++k )
-		{
-			impulse += std::abs( double( manifold.getContactPoint( k ).m_appliedImpulse ) );
-		}
+		impulse += isOn ? impulseOf( manifold ) : 0.0;
 	} );
 	return impulse / double( m_gameStep );
 }
@@ -100,9 +120,8 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 		SoftBody::Impl& impl = body->impl();
 		if ( impl.twin )
 		{
-			RigidTwin& twin = *impl.twin;
-			twin.load = twin.impulse / double( gameStep );
-			twin.impulse = 0.0;
+			impl.rigidLoad.now = impl.rigidLoad.impulse / double( gameStep );
+			impl.rigidLoad.impulse = 0.0;
 			continue;
 		}
 		if ( body->material().rigidStrain <= 0.0f || !moves( *body ) || --impl.rigidWait > 0 )
@@ -112,9 +131,8 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 		impl.rigidWait = kRigidRetry;
 		if ( canBeRigid( *body ) && impl.body->canBecomeRigid() )
 		{
-			const double load = loadOn( *body );
+			impl.rigidLoad = RigidLoad{ 0.0, 0.0, loadOn( *body ) };
 			impl.becomeRigid( *body );
-			impl.twin->firstLoad = load;
 			removeContacts( *body );
 		}
 	}
@@ -133,7 +151,7 @@ void SoftBodySystem::accelerateRigid( btScalar h )
 	}
 }
 
-// Bullet's solver moves the twins in place of the soft bodies.
+// Bullet's solver moves the proxies instead of the soft bodies.
 void SoftBodySystem::showTwins( btDispatcher& dispatcher )
 {
 	m_hasTwins = false;
@@ -145,27 +163,13 @@ void SoftBodySystem::showTwins( btDispatcher& dispatcher )
 			body->impl().twin->follow();
 		}
 	}
-	if ( !m_hasTwins )
+	if ( m_hasTwins )
 	{
-		return;
-	}
-	forEachManifold( dispatcher, prefetchEnd, []( btPersistentManifold& manifold ) {
-		const btCollisionObject* sides[2] = { manifold.getBody0(), manifold.getBody1() };
-		bool isShown = false;
-		for ( const btCollisionObject*& side : sides )
-		{
+		exchangeSides( dispatcher, []( const btCollisionObject* side, const btPersistentManifold& ) {
 			SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( side ) );
-			if ( soft && soft->impl().twin )
-			{
-				side = soft->impl().twin.get();
-				isShown = true;
-			}
-		}
-		if ( isShown )
-		{
-			manifold.setBodies( sides[0], sides[1] );
-		}
-	} );
+			return soft ? static_cast<const btCollisionObject*>( soft->impl().twin.get() ) : nullptr;
+		} );
+	}
 }
 
 void SoftBodySystem::hideTwins( btDispatcher& dispatcher )
@@ -174,25 +178,13 @@ void SoftBodySystem::hideTwins( btDispatcher& dispatcher )
 	{
 		return;
 	}
-	forEachManifold( dispatcher, prefetchEnd, []( btPersistentManifold& manifold ) {
-		const btCollisionObject* sides[2] = { manifold.getBody0(), manifold.getBody1() };
-		bool isShown = false;
-		for ( const btCollisionObject*& side : sides )
+	exchangeSides( dispatcher, []( const btCollisionObject* side, const btPersistentManifold& manifold ) {
+		SoftBody* const owner = ownerOfTwin( side );
+		if ( owner )
 		{
-			if ( SoftBody* const owner = ownerOfTwin( side ) )
-			{
-				for ( int k = 0; k < manifold.getNumContacts(); ++k )
-				{
-					owner->impl().twin->impulse += std::abs( double( manifold.getContactPoint( k ).m_appliedImpulse ) );
-				}
-				side = owner;
-				isShown = true;
-			}
+			owner->impl().rigidLoad.impulse += impulseOf( manifold );
 		}
-		if ( isShown )
-		{
-			manifold.setBodies( sides[0], sides[1] );
-		}
+		return static_cast<const btCollisionObject*>( owner );
 	} );
 	for ( SoftBody* body : m_bodies ) // bodies of the other pass may have been touched too
 	{

@@ -10,12 +10,6 @@ namespace {
 
 const char kRigidTwinMark = 0;
 
-btTransform transformOf( const RigidMotion& motion )
-{
-	const Eigen::Quaterniond& q = motion.rotation;
-	return btTransform( btQuaternion( btScalar( q.x() ), btScalar( q.y() ), btScalar( q.z() ), btScalar( q.w() ) ), toBt( motion.centre ) );
-}
-
 } // namespace
 
 RigidTwin::RigidTwin( SoftBody& owner, std::unique_ptr<RigidShape> hulls ) :
@@ -31,7 +25,7 @@ RigidTwin::RigidTwin( SoftBody& owner, std::unique_ptr<RigidShape> hulls ) :
 void RigidTwin::follow()
 {
 	const RigidMotion& motion = m_owner.impl().body->rigidState()->motion;
-	m_followed = transformOf( motion );
+	m_followed = toBt( motion.rotation, motion.centre );
 	setWorldTransform( m_followed );
 	updateInertiaTensor();
 	setLinearVelocity( toBt( motion.velocity ) );
@@ -66,7 +60,8 @@ SoftBody* ownerOfTwin( const btCollisionObject* object )
 
 void SoftBody::Impl::placeTwin( SoftBody& owner )
 {
-	const btTransform at = transformOf( body->rigidState()->motion );
+	const RigidMotion& motion = body->rigidState()->motion;
+	const btTransform at = toBt( motion.rotation, motion.centre );
 	++skin.moves;
 	mass = body->motion().mass;
 	meanSquareSpeed = body->motion().squareSpeed / mass;
@@ -77,8 +72,7 @@ void SoftBody::Impl::placeTwin( SoftBody& owner )
 void SoftBody::Impl::becomeRigid( SoftBody& owner )
 {
 	body->becomeRigid();
-	twin = std::make_unique<RigidTwin>( owner, std::make_unique<RigidShape>( *body, *shape ) );
-	owner.setCollisionShape( twin->getCollisionShape() );
+	followRigidState( owner );
 	placeTwin( owner );
 	mustDeform = false;
 }
@@ -92,9 +86,6 @@ void SoftBody::Impl::followRigidState( SoftBody& owner )
 		return;
 	}
 	twin = std::make_unique<RigidTwin>( owner, std::make_unique<RigidShape>( *body, *shape ) );
-	twin->impulse = twinLoad.impulse;
-	twin->load = twinLoad.load;
-	twin->firstLoad = twinLoad.firstLoad;
 	owner.setCollisionShape( twin->getCollisionShape() );
 }
 

@@ -27,14 +27,18 @@ public:
 	/// The motion with the displacement by which the solver has pushed the twin out of penetrations since follow().
 	RigidMotion pushed( const RigidMotion& motion ) const;
 
-	double impulse = 0.0;   ///< of all contacts in this game step, N s
-	double load = 0.0;      ///< the same per time in the last one, N
-	double firstLoad = 0.0; ///< when the body became rigid, N
-
 private:
 	SoftBody& m_owner;
 	btTransform m_followed;
 	std::unique_ptr<RigidShape> m_hulls;
+};
+
+/// Sums of contact forces on a body in its rigid state.
+struct RigidLoad
+{
+	double impulse = 0.0; ///< in this game step so far, N s
+	double now = 0.0;     ///< in the last game step, N
+	double first = 0.0;   ///< when the body became rigid, N
 };
 
 /// The soft body of a twin, or null for any other object.

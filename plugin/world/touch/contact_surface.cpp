@@ -29,14 +29,14 @@ void ContactSurface::follow( const Body& body, unsigned version )
 	m_hasPatches = false;
 	m_overhang = 0.0;
 	m_neighbours.clear();
+	m_patch.clear();
 	if ( body.levels() )
 	{
 		return;
 	}
 	m_neighbours = findAxisNeighbours( lattice );
-	m_patch = lattice.patch;
 	followCracks();
-	for ( const ContactPatch& patch : m_patch )
+	for ( const ContactPatch& patch : patches() )
 	{
 		m_hasPatches = m_hasPatches || patch.radius > 0.0f;
 		m_overhang = std::max( m_overhang, patch.radius > 0.0f ? double( patch.height ) - 0.5 * m_cellSize : 0.0 );
@@ -47,10 +47,9 @@ void ContactSurface::follow( const Body& body, unsigned version )
 // there; those at a crack's edges keep their spheres.
 void ContactSurface::followCracks()
 {
-	for ( std::size_t cell = 0; cell < m_patch.size(); ++cell )
+	for ( std::size_t cell = 0; cell < patches().size(); ++cell )
 	{
-		ContactPatch& patch = m_patch[cell];
-		if ( patch.links > 0 )
+		if ( patches()[cell].links > 0 )
 		{
 			continue; // of the surface as it was built
 		}
@@ -62,6 +61,11 @@ void ContactSurface::followCracks()
 		}
 		const int side = int(
 			std::find_if( beside.begin(), beside.end(), []( std::int32_t other ) { return other < 0; } ) - beside.begin() );
+		if ( m_patch.empty() )
+		{
+			m_patch = m_lattice->patch; // the first crack
+		}
+		ContactPatch& patch = m_patch[cell];
 		patch.normal = Vec3::Zero();
 		patch.normal[side / 2] = side % 2 == 0 ? -1.0f : 1.0f;
 		patch.height = 0.5f * float( m_cellSize );
@@ -73,11 +77,11 @@ void ContactSurface::followCracks()
 // inverse transpose of F, which is D^-T D0^T, and D^-T is the cofactor matrix of D up to a factor.
 bool ContactSurface::patchOf( const NodeState& nodes, int node, Patch& patch ) const
 {
-	if ( m_neighbours.empty() || m_patch.empty() )
+	if ( m_neighbours.empty() || patches().empty() )
 	{
 		return false;
 	}
-	const ContactPatch& rest = m_patch[std::size_t( node )];
+	const ContactPatch& rest = patches()[std::size_t( node )];
 	if ( !( rest.radius > 0.0f ) )
 	{
 		return false;

@@ -50,6 +50,7 @@ public:
 	double rollingRadius( const NodeState& nodes, int node, const Vec3d& outwards ) const;
 
 private:
+	const std::vector<ContactPatch>& patches() const { return m_patch.empty() ? m_lattice->patch : m_patch; }
 	struct Axes;
 	void followCracks();
 	bool axesOf( const NodeState& nodes, int node, const Vec3d& along, Axes& axes ) const;
@@ -58,7 +59,7 @@ private:
 	unsigned m_version = 0;
 	std::size_t m_links = 0;
 	AxisNeighbours m_neighbours;       ///< empty: nothing is shared
-	std::vector<ContactPatch> m_patch; ///< by node: the lattice's, and those of crack faces
+	std::vector<ContactPatch> m_patch; ///< by cell; empty: the lattice's
 	bool m_hasPatches = false;
 	double m_cellSize = 0.0, m_overhang = 0.0;
 };

@@ -1,7 +1,7 @@
 // Wind, water and gravity fields: the law of each, and its misuse.
 
 #include "world/game/hollow_box.h"
-#include "world/test_world.h"
+#include "world/game/space.h"
 
 #include <pliant/game/forces.h>
 
@@ -16,23 +16,10 @@ namespace {
 
 const btScalar kNaN = std::numeric_limits<btScalar>::quiet_NaN();
 
-Material of( Elasticity elasticity, float density, float youngsModulus = 3e5f )
-{
-	Material material = stiff( youngsModulus );
-	material.elasticity = elasticity;
-	material.density = density;
-	return material;
-}
-
 btVector3 momentumOf( const SoftBody& body )
 {
 	return body.mass() * body.linearVelocity();
 }
-
-struct Space : TestWorld
-{
-	Space() { world.setGravity( btVector3( 0, 0, 0 ) ); }
-};
 
 class ForcesOn : public ::testing::TestWithParam<Elasticity>
 {};

@@ -1,7 +1,7 @@
 // Gas in hollow bodies, and explosions: the law of each, and its misuse.
 
 #include "world/game/hollow_box.h"
-#include "world/test_world.h"
+#include "world/game/space.h"
 
 #include <pliant/game/forces.h>
 
@@ -15,19 +15,6 @@ namespace pliant::test {
 namespace {
 
 const btScalar kNaN = std::numeric_limits<btScalar>::quiet_NaN();
-
-Material of( Elasticity elasticity, float density, float youngsModulus = 3e5f )
-{
-	Material material = stiff( youngsModulus );
-	material.elasticity = elasticity;
-	material.density = density;
-	return material;
-}
-
-struct Space : TestWorld
-{
-	Space() { world.setGravity( btVector3( 0, 0, 0 ) ); }
-};
 
 class BlastsOn : public ::testing::TestWithParam<Elasticity>
 {};

@@ -68,10 +68,6 @@ struct LoadSettings
 	/// Whether the rigid bodies of the world get the motion and the sleep that they had, too. If not, the game restores them before the
 	/// call.
 	bool withRigidBodies = true;
-
-	/// Whether ray, sweep and contact tests find the bodies in their restored shapes before the next step. A game that steps at once saves
-	/// more than half of the time without.
-	bool withQueries = true;
 };
 
 /// What restoreWorld has changed among the bodies of the world.
