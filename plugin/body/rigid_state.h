@@ -1,6 +1,6 @@
 #pragma once
 
-// The rigid state of a body (Material::rigidStrain): while nobody could see it deform, its nodes keep their positions in a frame that moves
+// The rigid state of a body (Material::rigidStrain): while its deformation is invisible, its nodes keep their positions in a frame that moves
 // as one rigid body.
 
 #include "lattice/lattice.h"

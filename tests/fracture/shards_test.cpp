@@ -234,7 +234,7 @@ TEST( Shards, AreThoseOfGivenCentres )
 	GivenCentres given;
 	for ( int k = 0; k < 4; ++k ) // four centres, of which the middle two are one shard
 	{
-		given.place.emplace_back( -0.3 + 0.2 * k, 0.0, 0.0 );
+		given.position.emplace_back( -0.3 + 0.2 * k, 0.0, 0.0 );
 		given.shard.push_back( k == 0 ? 5u : k == 3 ? 9u : 7u );
 	}
 	Block block( 16, 8, 8, shards( 0.2f ), given );

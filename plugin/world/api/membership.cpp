@@ -55,7 +55,7 @@ bool SoftBodySystem::remove( SoftBody& body )
 		std::erase( *list, &body );
 	}
 	SoftBody::Impl& impl = body.impl();
-	if ( impl.twin )
+	if ( impl.rigidProxy )
 	{
 		deform( body );
 	}

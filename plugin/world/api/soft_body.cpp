@@ -97,7 +97,7 @@ SoftBody* SoftBody::upcast( btCollisionObject* object )
 		return soft;
 	}
 	SoftBody* const ofProxy = ownerOfContactProxy( object );
-	return ofProxy ? ofProxy : ownerOfTwin( object );
+	return ofProxy ? ofProxy : ownerOfRigidProxy( object );
 }
 
 const SoftBody* SoftBody::upcast( const btCollisionObject* object )
@@ -112,7 +112,7 @@ int SoftBody::nodeCount() const
 
 int SoftBody::nodeOfShapeIndex( int shapeIndex ) const
 {
-	const bool isChild = !m_impl->twin && shapeIndex >= 0 && shapeIndex < m_impl->shape->getNumChildShapes();
+	const bool isChild = !m_impl->rigidProxy && shapeIndex >= 0 && shapeIndex < m_impl->shape->getNumChildShapes();
 	return isChild ? m_impl->shape->nodeOfChild( shapeIndex ) : -1;
 }
 
@@ -214,7 +214,7 @@ Status SoftBody::setMaterial( const Material& material )
 
 bool SoftBody::isRigid() const
 {
-	return m_impl->twin != nullptr;
+	return m_impl->rigidProxy != nullptr;
 }
 
 bool SoftBody::stepsImplicitly() const

@@ -164,7 +164,7 @@ Status SoftBody::applyImpulse( const btVector3& impulse, int node )
 	}
 	nodes.v.set( node, velocity );
 	m_impl->body->followVelocities();
-	m_impl->mustDeform = m_impl->mustDeform || m_impl->twin;
+	m_impl->mustDeform = m_impl->mustDeform || m_impl->rigidProxy;
 	activate( true );
 	return {};
 }
@@ -211,7 +211,7 @@ void SoftBody::hasMoved()
 	++m_impl->placements;
 	m_impl->wakeTouching( *this );
 	m_impl->skin.jumped();
-	m_impl->twin ? m_impl->placeTwin( *this ) : m_impl->placeShape( *this );
+	m_impl->rigidProxy ? m_impl->placeRigid( *this ) : m_impl->placeShape( *this );
 	if ( m_impl->system )
 	{
 		m_impl->system->refreshBox( *this );

@@ -83,11 +83,11 @@ double largestMeanSquareSpeed( const SoftBody::Impl& impl )
 /// Returns true if the body's deactivation timer may run.
 bool isAtRest( SoftBody::Impl& impl, double gravity )
 {
-	if ( impl.twin ) // as Bullet's rigid bodies
+	if ( impl.rigidProxy ) // as Bullet's rigid bodies
 	{
 		const RigidMotion& motion = impl.body->rigidState()->motion;
-		return motion.velocity.norm() < double( impl.twin->getLinearSleepingThreshold() ) &&
-			motion.angularVelocity.norm() < double( impl.twin->getAngularSleepingThreshold() );
+		return motion.velocity.norm() < double( impl.rigidProxy->getLinearSleepingThreshold() ) &&
+			motion.angularVelocity.norm() < double( impl.rigidProxy->getAngularSleepingThreshold() );
 	}
 	const double radius = double( impl.shape->smallestRadius() ), displacement = kRestDisplacement * radius;
 	const double fallSquare = 2.0 * gravity * radius, square = largestMeanSquareSpeed( impl );

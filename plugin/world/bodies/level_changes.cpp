@@ -167,7 +167,7 @@ void SoftBodySystem::endCollision( btScalar h )
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		if ( impl.allowance.isAny() && moves( *body ) && isInPass( *body ) && !impl.twin )
+		if ( impl.allowance.isAny() && moves( *body ) && isInPass( *body ) && !impl.rigidProxy )
 		{
 			impl.allowance.endPhase( isCalm( impl ) ? kAllowanceOut * double( impl.shape->smallestRadius() ) * double( h ) : 0.0 );
 		}

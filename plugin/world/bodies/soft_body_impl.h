@@ -20,7 +20,7 @@
 #include "world/implicit/implicit_choice.h"
 #include "world/joints/pose_follower.h"
 #include "world/query/surface_shape.h"
-#include "world/rigid/rigid_twin.h"
+#include "world/rigid/rigid_proxy.h"
 #include "world/shape/contact_proxy.h"
 #include "world/shape/node_shape.h"
 #include "world/shape/penetration_allowance.h"
@@ -186,9 +186,9 @@ struct SoftBody::Impl
 	btVector3 fieldAcceleration = btVector3( 0, 0, 0 ); ///< the mean of force fields, m/s^2
 	std::unique_ptr<ContactRecords> contactRecords;     ///< null: no contact events are wanted
 
-	std::unique_ptr<RigidTwin> twin; ///< null while the body deforms
+	std::unique_ptr<RigidProxy> rigidProxy; ///< null while the body deforms
 	RigidLoad rigidLoad;
-	bool mustDeform = false;     ///< from the next step on; ignored without a twin
+	bool mustDeform = false;     ///< from the next step on; ignored without a rigid proxy
 	int rigidWait = kRigidStart; ///< game steps until it is tested for its rigid state
 
 	std::vector<Vec3d> heldBefore; ///< node positions of a static or kinematic body at the last game step, world, m
@@ -276,11 +276,11 @@ struct SoftBody::Impl
 	void placeSpheres( btCollisionObject& object, const MotionSums& motion, TaskRunner* runner = nullptr );
 	void placeShape( btCollisionObject& object );
 	/// Moves the object's transform to that of the rigid state.
-	void placeTwin( SoftBody& owner );
+	void placeRigid( SoftBody& owner );
 	/// Between steps, and not while contacts are searched. In a world, contacts with the previous shape must be removed afterwards.
 	void becomeRigid( SoftBody& owner );
 	void becomeDeformable( SoftBody& owner );
-	/// After the core's state was read: gives the object the twin and the shape of its rigid state, or those of a deformable body.
+	/// After the core's state was read: gives the object the rigid proxy and the shape of its rigid state, or those of a deformable body.
 	void followRigidState( SoftBody& owner );
 	/// Returns the node transforms that the skin follows. Valid until the next call.
 	SkinPose skinPose() const;

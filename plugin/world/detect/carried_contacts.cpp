@@ -19,7 +19,7 @@ PairContacts::Pair PairContacts::pairOf( const btCollisionObject& first, const b
 {
 	const auto softOf = []( const btCollisionObject& object ) {
 		SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( &object ) );
-		return soft && !soft->impl().twin ? soft : nullptr;
+		return soft && !soft->impl().rigidProxy ? soft : nullptr;
 	};
 	SoftBody *const soft0 = softOf( first ), *const soft1 = softOf( second );
 	SoftBody* const other = soft0 ? soft1 : nullptr;

@@ -24,7 +24,7 @@ constexpr std::size_t kNotListed = ~std::size_t( 0 );
 SoftBody* softOf( const btCollisionObjectWrapper* wrapper )
 {
 	SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) );
-	return soft && !soft->impl().twin ? soft : nullptr;
+	return soft && !soft->impl().rigidProxy ? soft : nullptr;
 }
 
 } // namespace

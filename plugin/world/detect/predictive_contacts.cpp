@@ -28,9 +28,9 @@ void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentMa
 			{
 				continue;
 			}
-			if ( soft->impl().twin )
+			if ( soft->impl().rigidProxy )
 			{
-				continue; // showTwins
+				continue; // showRigidProxies
 			}
 			btManifoldPoint& point = manifold->getContactPoint( 0 );
 			const btVector3 at = side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();

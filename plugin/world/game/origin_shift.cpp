@@ -198,7 +198,7 @@ void shiftSoft( SoftBody& body, const btVector3& by )
 		shiftObject( *proxy, by );
 		proxy->written += by;
 	}
-	impl.twin ? impl.placeTwin( body ) : impl.placeShape( body );
+	impl.rigidProxy ? impl.placeRigid( body ) : impl.placeShape( body );
 }
 
 } // namespace

@@ -38,7 +38,7 @@ Status SoftBody::setScale( btScalar scale )
 		return status;
 	}
 	Impl& impl = *m_impl;
-	if ( impl.twin )
+	if ( impl.rigidProxy )
 	{
 		impl.system->deform( *this ); // a body outside of a world deforms
 		impl.system->removeContacts( *this );

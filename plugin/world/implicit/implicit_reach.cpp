@@ -68,7 +68,7 @@ void ImplicitReach::addManifold( const btPersistentManifold& manifold, const Blo
 	{
 		addBody( b, block, touchesSoft );
 	}
-	if ( isA && isB && !ownerOfTwin( &a ) && !ownerOfTwin( &b ) )
+	if ( isA && isB && !ownerOfRigidProxy( &a ) && !ownerOfRigidProxy( &b ) )
 	{
 		m_edges.push_back( Edge{ a.getWorldArrayIndex(), b.getWorldArrayIndex(), block } );
 	}
@@ -129,7 +129,7 @@ bool ImplicitReach::takesPart( int block, const btCollisionObject& rigid ) const
 {
 	const int index = rigid.getWorldArrayIndex();
 	// Soft bodies in their rigid state often lie in heaps: those that touch a deformable body take part, the others do not.
-	return ( m_rigidCount[std::size_t( block )] <= kMostBlockRigid && !ownerOfTwin( &rigid ) ) ||
+	return ( m_rigidCount[std::size_t( block )] <= kMostBlockRigid && !ownerOfRigidProxy( &rigid ) ) ||
 		( index >= 0 && index < int( m_takesPart.size() ) && m_takesPart[std::size_t( index )] == 1 );
 }
 

@@ -16,7 +16,7 @@ BodyRecord BodyRecord::of( const SoftBody& body )
 	BodyRecord record;
 	record.serial = impl.serial;
 	record.isDrawn = impl.isDrawn();
-	record.isRigid = impl.twin != nullptr;
+	record.isRigid = impl.rigidProxy != nullptr;
 	record.motion = ObjectState::of( body );
 	record.settings = ObjectSettings::of( body );
 	if ( const btBroadphaseProxy* const proxy = body.getBroadphaseHandle() )

@@ -317,8 +317,8 @@ void WorldSnapshot::restoreValues()
 		{
 			const btCollisionObject* const object = m_entries[std::size_t( outside.object )].object;
 			const SoftBody* const soft = SoftBody::upcast( object );
-			const bool isTwin = soft && soft->impl().twin;
-			carried.outside.push_back( OutsideImpulse{ isTwin ? soft->impl().twin.get() : object, outside.change } );
+			const bool isRigid = soft && soft->impl().rigidProxy;
+			carried.outside.push_back( OutsideImpulse{ isRigid ? soft->impl().rigidProxy.get() : object, outside.change } );
 		}
 		m_bodies.m_implicit[pass].carry( std::move( carried ) );
 	}

@@ -165,7 +165,7 @@ void WorldSnapshot::collectValues()
 			int index = -1; // the object may have been deleted since
 			const auto& all = m_bodies.bodies();
 			const auto owner = std::find_if( all.begin(), all.end(),
-				[&outside]( const SoftBody* body ) { return body->impl().twin.get() == outside.object && outside.object; } );
+				[&outside]( const SoftBody* body ) { return body->impl().rigidProxy.get() == outside.object && outside.object; } );
 			const btCollisionObject* const object = owner == all.end() ? outside.object : *owner;
 			m_bodies.holds( object, index ) ? m_values.outside[pass].push_back( { index, outside.change } ) : void();
 		}

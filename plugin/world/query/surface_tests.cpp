@@ -131,7 +131,7 @@ void testInside( Tested& tested )
 bool SurfaceTest::isSurface( const btCollisionObjectWrapper& wrapper )
 {
 	const SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( wrapper.getCollisionObject() ) );
-	return soft && !soft->impl().twin && wrapper.getCollisionShape() == soft->getCollisionShape(); // rigid states have hulls
+	return soft && !soft->impl().rigidProxy && wrapper.getCollisionShape() == soft->getCollisionShape(); // rigid states have hulls
 }
 
 void SurfaceTest::processCollision(

@@ -126,7 +126,7 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 	double slowest = SIMD_INFINITY;
 	for ( const SoftBody* body : m_bodies )
 	{
-		if ( body->impl().twin )
+		if ( body->impl().rigidProxy )
 		{
 			slowest = std::min( slowest, body->impl().body->largestInvisibleVelocity() );
 		}
@@ -155,11 +155,11 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 		for ( btCollisionObject* other : overlaps.found )
 		{
 			SoftBody* const otherSoft = asSoftBody( other );
-			if ( other != &object && soft && soft->impl().twin )
+			if ( other != &object && soft && soft->impl().rigidProxy )
 			{
 				forecastImpact( *soft, *other, h );
 			}
-			if ( other != &object && otherSoft && otherSoft->impl().twin )
+			if ( other != &object && otherSoft && otherSoft->impl().rigidProxy )
 			{
 				forecastImpact( *otherSoft, object, h );
 			}

@@ -66,7 +66,7 @@ void SoftBodySystem::deform( SoftBody& body )
 {
 	for ( ImplicitSolve& solve : m_implicit )
 	{
-		solve.forget( *body.impl().twin );
+		solve.forget( *body.impl().rigidProxy );
 	}
 	body.impl().becomeDeformable( body );
 }
@@ -83,7 +83,7 @@ void SoftBodySystem::removeContacts( SoftBody& body )
 // At the start of a game step.
 void SoftBodySystem::deformLoaded( btScalar gameStep )
 {
-	const bool isAny = std::any_of( m_bodies.begin(), m_bodies.end(), []( const SoftBody* body ) { return body->impl().twin != nullptr; } );
+	const bool isAny = std::any_of( m_bodies.begin(), m_bodies.end(), []( const SoftBody* body ) { return body->impl().rigidProxy != nullptr; } );
 	if ( !isAny )
 	{
 		return;
@@ -93,7 +93,7 @@ void SoftBodySystem::deformLoaded( btScalar gameStep )
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		if ( impl.twin && ( impl.mustDeform || !canBeRigid( *body ) || isOverloaded( impl ) ) )
+		if ( impl.rigidProxy && ( impl.mustDeform || !canBeRigid( *body ) || isOverloaded( impl ) ) )
 		{
 			deform( *body );
 			removeContacts( *body );
@@ -118,7 +118,7 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		if ( impl.twin )
+		if ( impl.rigidProxy )
 		{
 			impl.rigidLoad.now = impl.rigidLoad.impulse / double( gameStep );
 			impl.rigidLoad.impulse = 0.0;
@@ -152,34 +152,34 @@ void SoftBodySystem::accelerateRigid( btScalar h )
 }
 
 // Bullet's solver moves the proxies instead of the soft bodies.
-void SoftBodySystem::showTwins( btDispatcher& dispatcher )
+void SoftBodySystem::showRigidProxies( btDispatcher& dispatcher )
 {
-	m_hasTwins = false;
+	m_hasRigidProxies = false;
 	for ( SoftBody* body : m_bodies )
 	{
-		if ( body->impl().twin )
+		if ( body->impl().rigidProxy )
 		{
-			m_hasTwins = true;
-			body->impl().twin->follow();
+			m_hasRigidProxies = true;
+			body->impl().rigidProxy->follow();
 		}
 	}
-	if ( m_hasTwins )
+	if ( m_hasRigidProxies )
 	{
 		exchangeSides( dispatcher, []( const btCollisionObject* side, const btPersistentManifold& ) {
 			SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( side ) );
-			return soft ? static_cast<const btCollisionObject*>( soft->impl().twin.get() ) : nullptr;
+			return soft ? static_cast<const btCollisionObject*>( soft->impl().rigidProxy.get() ) : nullptr;
 		} );
 	}
 }
 
-void SoftBodySystem::hideTwins( btDispatcher& dispatcher )
+void SoftBodySystem::hideRigidProxies( btDispatcher& dispatcher )
 {
-	if ( !m_hasTwins )
+	if ( !m_hasRigidProxies )
 	{
 		return;
 	}
 	exchangeSides( dispatcher, []( const btCollisionObject* side, const btPersistentManifold& manifold ) {
-		SoftBody* const owner = ownerOfTwin( side );
+		SoftBody* const owner = ownerOfRigidProxy( side );
 		if ( owner )
 		{
 			owner->impl().rigidLoad.impulse += impulseOf( manifold );
@@ -188,9 +188,9 @@ void SoftBodySystem::hideTwins( btDispatcher& dispatcher )
 	} );
 	for ( SoftBody* body : m_bodies ) // bodies of the other pass may have been touched too
 	{
-		if ( const RigidTwin* const twin = body->impl().twin.get(); twin && body->isActive() )
+		if ( const RigidProxy* const rigidProxy = body->impl().rigidProxy.get(); rigidProxy && body->isActive() )
 		{
-			body->impl().body->setRigidVelocities( toVec3d( twin->getLinearVelocity() ), toVec3d( twin->getAngularVelocity() ) );
+			body->impl().body->setRigidVelocities( toVec3d( rigidProxy->getLinearVelocity() ), toVec3d( rigidProxy->getAngularVelocity() ) );
 		}
 	}
 }
@@ -205,8 +205,8 @@ void SoftBodySystem::integrateRigid( btScalar h )
 			continue; // fell asleep in this substep
 		}
 		const RigidState& state = *impl.body->rigidState();
-		impl.body->moveAsRigid( advanced( state, impl.twin->pushed( state.motion ), double( h ) ) );
-		impl.placeTwin( *body );
+		impl.body->moveAsRigid( advanced( state, impl.rigidProxy->pushed( state.motion ), double( h ) ) );
+		impl.placeRigid( *body );
 		impl.skin.nodesMoved();
 	}
 }

@@ -33,7 +33,7 @@ void SoftBodySystem::collideWithThemselves( btScalar h )
 			self->contacts = std::make_unique<PairContacts>( m_dispatcher, pool, pairScratch );
 		}
 		// A sleeping body keeps its contacts, as Bullet's pairs do.
-		if ( moves( *body ) && isInPass( *body ) && !body->impl().twin )
+		if ( moves( *body ) && isInPass( *body ) && !body->impl().rigidProxy )
 		{
 			BT_PROFILE( "pliant: self-collision" );
 			self->contacts->processSelf( *body, self->search, double( h ) );

@@ -39,7 +39,7 @@ int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<
 	m_substepped.clear();
 	for ( SoftBody* body : m_bodies )
 	{
-		if ( moves( *body ) && !body->impl().twin && !stepsImplicitly( *body ) && !isImplicitPoint( *body ) )
+		if ( moves( *body ) && !body->impl().rigidProxy && !stepsImplicitly( *body ) && !isImplicitPoint( *body ) )
 		{
 			m_substepped.push_back( body );
 			count = std::max( count, usual );
@@ -95,7 +95,7 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 		}
 		report.awakeSoftBodies += moves( *body ) ? 1 : 0;
 		report.implicitBodies += moves( *body ) && stepsImplicitly( *body ) ? 1 : 0;
-		report.rigidBodies += impl.twin ? 1 : 0;
+		report.rigidBodies += impl.rigidProxy ? 1 : 0;
 		report.quarantined += impl.isHealthy ? 0 : 1;
 		report.unreachableStiffness += impl.plan.reachable ? 0 : 1;
 	}
@@ -147,7 +147,7 @@ void SoftBodySystem::gatherAwake()
 	{
 		if ( moves( *body ) && isInPass( *body ) )
 		{
-			if ( body->impl().twin )
+			if ( body->impl().rigidProxy )
 			{
 				m_rigid.push_back( body );
 				continue;
@@ -354,7 +354,7 @@ void SoftBodySystem::endStep()
 		{
 			NodeState& nodes = body->impl().body->nodes();
 			nodes.v.resize( nodes.padded ); // all nodes of a sleeping body are at rest
-			if ( body->impl().twin )
+			if ( body->impl().rigidProxy )
 			{
 				body->impl().body->setRigidVelocities( Vec3d::Zero(), Vec3d::Zero() );
 			}

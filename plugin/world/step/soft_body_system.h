@@ -65,9 +65,9 @@ public:
 	void deform( SoftBody& body );
 	/// After a body's shape was replaced.
 	void removeContacts( SoftBody& body );
-	/// Around Bullet's solver: manifolds refer to the twins of bodies in their rigid state.
-	void showTwins( btDispatcher& dispatcher );
-	void hideTwins( btDispatcher& dispatcher );
+	/// Around Bullet's solver: manifolds refer to the rigid proxies of bodies in their rigid state.
+	void showRigidProxies( btDispatcher& dispatcher );
+	void hideRigidProxies( btDispatcher& dispatcher );
 
 	/// Chooses the objects that take soft substeps in a game step of this length. Returns the number of substeps: the user's, or more if
 	/// the stiffest awake material needs them; 1 if no body takes substeps. `canSplit`: if false, either all objects take substeps or none.
@@ -221,7 +221,7 @@ private:
 	ImplicitChoice m_choice;
 	std::vector<SoftBody*> m_awake;              ///< in this substep, deformable
 	std::vector<SoftBody*> m_rigid;              ///< in this substep, in their rigid state
-	bool m_hasTwins = false;                     ///< in this substep
+	bool m_hasRigidProxies = false;                     ///< in this substep
 	std::vector<SoftBody*> m_asleep;             ///< when the last step ended
 	std::vector<SoftBody*> m_parallel, m_serial; ///< awake bodies processed by all threads together; by one thread each
 	std::vector<SoftBody*> m_stale;              ///< scratch of noteSkinRequest

@@ -64,7 +64,7 @@ SweptBox sweepOf( const SoftBody& body, const btVector3& gravity, btScalar step 
 
 SweptBox wholeBox( const SoftBody& body )
 {
-	if ( body.impl().twin )
+	if ( body.impl().rigidProxy )
 	{
 		SweptBox box;
 		body.getCollisionShape()->getAabb( body.getWorldTransform(), box.low, box.high );
@@ -100,7 +100,7 @@ SubstepGroup::Box SubstepGroup::sweptBox( const btCollisionObject& object, const
 	if ( const SoftBody* const soft = SoftBody::upcast( &object ) )
 	{
 		box = boxOf( *soft, gravity, step );
-		if ( !soft->impl().twin )
+		if ( !soft->impl().rigidProxy )
 		{
 			box.grow( btScalar( kDrawnBeyondSpheres ) * soft->impl().shape->largestRadius() ); // as the box of what is drawn
 		}

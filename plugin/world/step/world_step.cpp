@@ -273,7 +273,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 	// Sleeping bodies too: a rigid body may have hit and woken one in this step.
 	Stopwatch watch( bodies.report.solve );
 	btDispatcher& dispatcher = *m_parts.dispatcher;
-	bodies.showTwins( dispatcher );
+	bodies.showRigidProxies( dispatcher );
 	m_moved.moveToNodes( dispatcher, info );
 	bodies.countContacts( m_moved.count() );
 	if ( m_moved.hasRollingFriction() )
@@ -307,7 +307,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 	{
 		m_rolling.apply();
 	}
-	bodies.hideTwins( dispatcher );
+	bodies.hideRigidProxies( dispatcher );
 	bodies.contactEvents.add( dispatcher, bodies.bodies() );
 	if ( bodies.pass() == StepPass::Substeps )
 	{

@@ -1,7 +1,7 @@
 #pragma once
 
 // The rigid body through which Bullet's solver moves a soft body in its rigid state. It belongs to no world: the soft body stays the
-// collision object, with hulls for a shape, and its manifolds refer to the twin while they are solved.
+// collision object, with hulls for a shape, and its manifolds refer to the rigid proxy while they are solved.
 
 #include "body/rigid_state.h"
 #include "world/rigid/rigid_shape.h"
@@ -12,19 +12,19 @@ namespace pliant {
 
 class SoftBody;
 
-class RigidTwin : public btRigidBody
+class RigidProxy : public btRigidBody
 {
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
-	/// For a body whose core is in its rigid state. `hulls` must be kept as long as the twin.
-	RigidTwin( SoftBody& owner, std::unique_ptr<RigidShape> hulls );
+	/// For a body whose core is in its rigid state. `hulls` must be kept as long as the rigid proxy.
+	RigidProxy( SoftBody& owner, std::unique_ptr<RigidShape> hulls );
 
 	/// Copies the motion of the body, and what the solver reads of its collision object.
 	void follow();
 	SoftBody& owner() const { return m_owner; }
 
-	/// The motion with the displacement by which the solver has pushed the twin out of penetrations since follow().
+	/// The motion with the displacement by which the solver has pushed the rigid proxy out of penetrations since follow().
 	RigidMotion pushed( const RigidMotion& motion ) const;
 
 private:
@@ -41,7 +41,7 @@ struct RigidLoad
 	double first = 0.0;   ///< when the body became rigid, N
 };
 
-/// The soft body of a twin, or null for any other object.
-SoftBody* ownerOfTwin( const btCollisionObject* object );
+/// The soft body of a rigid proxy, or null for any other object.
+SoftBody* ownerOfRigidProxy( const btCollisionObject* object );
 
 } // namespace pliant

@@ -1,4 +1,4 @@
-#include "world/rigid/rigid_twin.h"
+#include "world/rigid/rigid_proxy.h"
 
 #include "body/rigid_state.h"
 #include "world/bodies/soft_body_impl.h"
@@ -8,21 +8,21 @@ namespace pliant {
 
 namespace {
 
-const char kRigidTwinMark = 0;
+const char kRigidProxyMark = 0;
 
 } // namespace
 
-RigidTwin::RigidTwin( SoftBody& owner, std::unique_ptr<RigidShape> hulls ) :
+RigidProxy::RigidProxy( SoftBody& owner, std::unique_ptr<RigidShape> hulls ) :
 	btRigidBody( btRigidBodyConstructionInfo(
 		btScalar( owner.impl().body->rigidState()->mass ), nullptr, &hulls->shape(), toBt( owner.impl().body->rigidState()->moments ) ) ),
 	m_owner( owner ), m_hulls( std::move( hulls ) )
 {
-	internalSetExtensionPointer( const_cast<char*>( &kRigidTwinMark ) );
+	internalSetExtensionPointer( const_cast<char*>( &kRigidProxyMark ) );
 	setFlags( BT_DISABLE_WORLD_GRAVITY ); // gyroscopic torque too: the core keeps the angular momentum
 	follow();
 }
 
-void RigidTwin::follow()
+void RigidProxy::follow()
 {
 	const RigidMotion& motion = m_owner.impl().body->rigidState()->motion;
 	m_followed = toBt( motion.rotation, motion.centre );
@@ -38,7 +38,7 @@ void RigidTwin::follow()
 	setCompanionId( -1 );
 }
 
-RigidMotion RigidTwin::pushed( const RigidMotion& motion ) const
+RigidMotion RigidProxy::pushed( const RigidMotion& motion ) const
 {
 	const btTransform& now = getWorldTransform();
 	if ( now == m_followed )
@@ -52,13 +52,13 @@ RigidMotion RigidTwin::pushed( const RigidMotion& motion ) const
 	return pushed;
 }
 
-SoftBody* ownerOfTwin( const btCollisionObject* object )
+SoftBody* ownerOfRigidProxy( const btCollisionObject* object )
 {
-	const bool isTwin = object && object->internalGetExtensionPointer() == &kRigidTwinMark;
-	return isTwin ? &static_cast<const RigidTwin*>( object )->owner() : nullptr;
+	const bool isRigid = object && object->internalGetExtensionPointer() == &kRigidProxyMark;
+	return isRigid ? &static_cast<const RigidProxy*>( object )->owner() : nullptr;
 }
 
-void SoftBody::Impl::placeTwin( SoftBody& owner )
+void SoftBody::Impl::placeRigid( SoftBody& owner )
 {
 	const RigidMotion& motion = body->rigidState()->motion;
 	const btTransform at = toBt( motion.rotation, motion.centre );
@@ -73,26 +73,26 @@ void SoftBody::Impl::becomeRigid( SoftBody& owner )
 {
 	body->becomeRigid();
 	followRigidState( owner );
-	placeTwin( owner );
+	placeRigid( owner );
 	mustDeform = false;
 }
 
 void SoftBody::Impl::followRigidState( SoftBody& owner )
 {
-	twin.reset();
+	rigidProxy.reset();
 	if ( !body->rigidState() )
 	{
 		owner.setCollisionShape( queried.get() );
 		return;
 	}
-	twin = std::make_unique<RigidTwin>( owner, std::make_unique<RigidShape>( *body, *shape ) );
-	owner.setCollisionShape( twin->getCollisionShape() );
+	rigidProxy = std::make_unique<RigidProxy>( owner, std::make_unique<RigidShape>( *body, *shape ) );
+	owner.setCollisionShape( rigidProxy->getCollisionShape() );
 }
 
 void SoftBody::Impl::becomeDeformable( SoftBody& owner )
 {
 	owner.setCollisionShape( queried.get() );
-	twin.reset();
+	rigidProxy.reset();
 	body->becomeDeformable();
 	placeShape( owner );
 	rigidWait = kRigidPause;
