@@ -83,7 +83,6 @@ private:
 		stage.addBox( btVector3( kFrame, btScalar( kHeight ), depth ), at( -side, middle ), 0, kOak );
 		stage.addBox( btVector3( kFrame, btScalar( kHeight ), depth ), at( side, middle ), 0, kOak );
 	}
-
 };
 
 } // namespace

@@ -67,7 +67,6 @@ public:
 	int slowness() const override { return 2; }
 	pliant_glue::DrawCamera camera( double ) const override { return { { 0.75f, 1.20f, 3.0f }, { 0.0f, 0.34f, 0 }, 32.0f }; }
 	pliant_glue::DrawLight light() const override { return { { -0.45f, 0.75f, 0.50f }, { 0.0f, 0.4f, 0 }, 1.8f }; }
-
 };
 
 } // namespace

@@ -1,7 +1,7 @@
 #pragma once
 
-// The rigid state of a body (Material::rigidStrain): while its deformation is invisible, its nodes keep their positions in a frame that moves
-// as one rigid body.
+// The rigid state of a body (Material::rigidStrain): while its deformation is invisible, its nodes keep their positions in a frame that
+// moves as one rigid body.
 
 #include "lattice/lattice.h"
 #include "matching/node_state.h"

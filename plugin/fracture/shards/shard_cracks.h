@@ -44,8 +44,8 @@ public:
 	void findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions );
 	/// Adds a cell under a coarse node to the overloaded cells if its F exceeds the strength. Call after findOverloads.
 	void noteOverload( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, const Eigen::Matrix3d& deformation );
-	/// Runs cracks from the overloaded cells and adds the links that break, ascending. Returns false if none is overloaded. `positions` is called
-	/// where there are: of each cell, relative to any origin.
+	/// Runs cracks from the overloaded cells and adds the links that break, ascending. Returns false if none is overloaded. `positions` is
+	/// called where there are: of each cell, relative to any origin.
 	bool run( const Lattice& lattice, const LinkLimits& limits, const std::function<std::vector<Vec3d>()>& positions,
 		std::vector<CellLink>& broken );
 

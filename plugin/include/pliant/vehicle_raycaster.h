@@ -12,9 +12,9 @@ class btRaycastVehicle;
 
 namespace pliant {
 
-/// Finds rigid bodies as btDefaultVehicleRaycaster does, and soft bodies as the surface formed by their node spheres: a wheel does not fall
-/// between two nodes. The vehicle treats a soft body as fixed ground. Bullet's vehicle exerts no force on the ground; for soft bodies
-/// this class does: set the vehicle and add the ray caster to the world as an action, after the vehicle.
+/// Finds rigid bodies as btDefaultVehicleRaycaster does, and soft bodies by their drawn surface, from outside only. The vehicle treats a
+/// soft body as fixed ground. Bullet's vehicle exerts no force on the ground; for soft bodies this class does: set the vehicle and add the
+/// ray caster to the world as an action, after the vehicle.
 ///
 ///     pliant::VehicleRaycaster caster( world );
 ///     btRaycastVehicle vehicle( tuning, chassis, &caster );

@@ -17,13 +17,6 @@ double squaredDistance( const Vec3d& low, const Vec3d& high, const Vec3d& to )
 	return ( to - to.cwiseMax( low ).cwiseMin( high ) ).squaredNorm();
 }
 
-Vec3d nearestOnSegment( const Vec3d& a, const Vec3d& b, const Vec3d& to )
-{
-	const Vec3d along = b - a;
-	const double square = along.squaredNorm();
-	return square > 0.0 ? Vec3d( a + std::clamp( along.dot( to - a ) / square, 0.0, 1.0 ) * along ) : a;
-}
-
 } // namespace
 
 SolidTree::SolidTree( const std::vector<Vec3d>& position, const std::vector<Triangle>& triangles ) :

@@ -89,7 +89,8 @@ void BodyRecord::read( Archive& archive, const std::vector<std::shared_ptr<const
 	made->archiveState( state );
 	archive.require( state.isSound(), state.problem() );
 	archive.require( !state.isSound() || state.left() == 0, "A body has more state than it needs." );
-	archive.require( !archive.isSound() || isRigid == ( made->body->rigidState() != nullptr ), "A body's rigid state is not what it says." );
+	archive.require(
+		!archive.isSound() || isRigid == ( made->body->rigidState() != nullptr ), "A body's rigid state is not what it says." );
 	const int count = archive.isSound() ? made->body->nodeCount() : 0;
 	for ( const StoredPin& pin : pins )
 	{

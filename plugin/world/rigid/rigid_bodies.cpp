@@ -83,7 +83,8 @@ void SoftBodySystem::removeContacts( SoftBody& body )
 // At the start of a game step.
 void SoftBodySystem::deformLoaded( btScalar gameStep )
 {
-	const bool isAny = std::any_of( m_bodies.begin(), m_bodies.end(), []( const SoftBody* body ) { return body->impl().rigidProxy != nullptr; } );
+	const bool isAny = std::any_of(
+		m_bodies.begin(), m_bodies.end(), []( const SoftBody* body ) { return body->impl().rigidProxy != nullptr; } );
 	if ( !isAny )
 	{
 		return;
@@ -190,7 +191,8 @@ void SoftBodySystem::hideRigidProxies( btDispatcher& dispatcher )
 	{
 		if ( const RigidProxy* const rigidProxy = body->impl().rigidProxy.get(); rigidProxy && body->isActive() )
 		{
-			body->impl().body->setRigidVelocities( toVec3d( rigidProxy->getLinearVelocity() ), toVec3d( rigidProxy->getAngularVelocity() ) );
+			body->impl().body->setRigidVelocities(
+				toVec3d( rigidProxy->getLinearVelocity() ), toVec3d( rigidProxy->getAngularVelocity() ) );
 		}
 	}
 }

@@ -221,7 +221,7 @@ private:
 	ImplicitChoice m_choice;
 	std::vector<SoftBody*> m_awake;              ///< in this substep, deformable
 	std::vector<SoftBody*> m_rigid;              ///< in this substep, in their rigid state
-	bool m_hasRigidProxies = false;                     ///< in this substep
+	bool m_hasRigidProxies = false;              ///< in this substep
 	std::vector<SoftBody*> m_asleep;             ///< when the last step ended
 	std::vector<SoftBody*> m_parallel, m_serial; ///< awake bodies processed by all threads together; by one thread each
 	std::vector<SoftBody*> m_stale;              ///< scratch of noteSkinRequest
