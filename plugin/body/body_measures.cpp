@@ -48,6 +48,12 @@ Vec3d Body::angularVelocity() const
 	return inverseOfPart( inertiaAbout( whole.centre ), whole.mass ) * whole.spin;
 }
 
+Vec3d Body::angularVelocityOf( const Vec3d& spin ) const
+{
+	const BodySums whole = sums();
+	return inverseOfPart( inertiaAbout( whole.centre ), whole.mass ) * spin;
+}
+
 Placement Body::bestFit( const Eigen::Quaterniond& guess ) const
 {
 	const BodySums whole = sums();

@@ -3,6 +3,7 @@
 #include "world/bodies/placing.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/game/constants.h"
+#include "world/step/soft_body_system.h"
 
 #include <new>
 #include <numeric>

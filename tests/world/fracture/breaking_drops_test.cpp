@@ -1,6 +1,7 @@
 // Bars that strike the floor break about as much with coarse levels as without.
 
 #include "support/breaking_drops.h"
+#include "world/test_world.h"
 
 #include <gtest/gtest.h>
 

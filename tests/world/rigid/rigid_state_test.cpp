@@ -1,5 +1,6 @@
 // Material::rigidStrain: bodies that hardly deform move as rigid ones, and deform again when something asks for it.
 
+#include "support/mesh_of_boxes.h"
 #include "support/momentum.h"
 #include "world/test_world.h"
 
@@ -310,34 +311,13 @@ TEST_P( RigidState, ShapeFollowsTheMaterial )
 	// A U of three blocks: its hull would hold the gap, into which a ball falls.
 	TestWorld test;
 	test.addFloor();
-	std::vector<float> positions;
-	std::vector<std::uint32_t> indices;
-	const auto addBox = [&]( float x0, float y0, float x1, float y1 ) {
-		static const std::uint32_t kFaces[36] = {
-			0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
-		const auto first = std::uint32_t( positions.size() / 3 );
-		for ( int i = 0; i < 8; ++i )
-		{
-			positions.insert( positions.end(), { i & 1 ? x1 : x0, i & 2 ? y1 : y0, i & 4 ? 0.2f : -0.2f } );
-		}
-		for ( const std::uint32_t k : kFaces )
-		{
-			indices.push_back( first + k );
-		}
-	};
-	addBox( -0.5f, 0.0f, 0.5f, 0.2f );
-	addBox( -0.5f, 0.2f, -0.3f, 0.8f );
-	addBox( 0.3f, 0.2f, 0.5f, 0.8f );
-	MeshView mesh;
-	mesh.positions = positions.data();
-	mesh.vertexCount = int( positions.size() / 3 );
-	mesh.indices = indices.data();
-	mesh.triangleCount = int( indices.size() / 3 );
-	LatticeSettings settings;
-	settings.cellSize = 0.1f;
-	auto shape = BodyTemplate::build( mesh, settings );
-	ASSERT_TRUE( shape.ok() );
-	SoftBody* const body = test.addSoft( shape.value, at( 0, 0.01f, 0 ), material( 1e7f ) );
+	test::MeshOfBoxes mesh;
+	mesh.add( btVector3( 0, 0.1f, 0 ), btVector3( 0.5f, 0.1f, 0.2f ) );
+	mesh.add( btVector3( -0.4f, 0.5f, 0 ), btVector3( 0.1f, 0.3f, 0.2f ) );
+	mesh.add( btVector3( 0.4f, 0.5f, 0 ), btVector3( 0.1f, 0.3f, 0.2f ) );
+	const std::shared_ptr<const BodyTemplate> shape = mesh.build( 0.1f );
+	ASSERT_TRUE( shape );
+	SoftBody* const body = test.addSoft( shape, at( 0, 0.01f, 0 ), material( 1e7f ) );
 	test.run( 100 );
 	ASSERT_TRUE( body->isRigid() );
 	btRigidBody* const ball = test.add( 1, new btSphereShape( btScalar( 0.15 ) ), at( 0, 0.6f, 0 ) );
