@@ -72,8 +72,10 @@ void BodyRecord::read( Archive& archive, const std::vector<std::shared_ptr<const
 	{
 		return;
 	}
-	const std::shared_ptr<const BodyTemplate>& of = templates[std::size_t( bodyTemplate )];
-	if ( live && archive.isTrusted() && live->impl().bodyTemplate == of && isMadeOf( *live, make ) )
+	const std::shared_ptr<const BodyTemplate>& stored = templates[std::size_t( bodyTemplate )];
+	const bool isSame = live && live->impl().bodyTemplate->fingerprint() == stored->fingerprint();
+	const std::shared_ptr<const BodyTemplate> of = isSame ? live->impl().bodyTemplate : stored; // a body keeps its own
+	if ( isSame && archive.isTrusted() && isMadeOf( *live, make ) )
 	{
 		return;
 	}

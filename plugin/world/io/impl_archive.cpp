@@ -81,6 +81,16 @@ void SoftBody::Impl::archiveMake( Archive& archive )
 	{
 		shape->archive( archive, *body );
 	}
+	bool hasPose = follower != nullptr;
+	archive( hasPose );
+	if ( archive.isReading() )
+	{
+		follower = hasPose ? std::make_unique<PoseFollower>() : nullptr;
+	}
+	if ( hasPose && archive.isSound() )
+	{
+		follower->archiveMake( archive, std::size_t( bodyTemplate->cellCount() ) );
+	}
 }
 
 // Not stored: what a substep makes for itself, what is read from Bullet's object or from the lattice again, and what only drawing needs.
@@ -100,6 +110,10 @@ void SoftBody::Impl::archiveState( Archive& archive )
 	archive( tellsContacts );
 	archive( rigidLoad.impulse, rigidLoad.now, rigidLoad.first );
 	allowance.archive( archive, count );
+	if ( follower )
+	{
+		follower->archiveState( archive );
+	}
 	if ( self )
 	{
 		self->search.archive( archive );

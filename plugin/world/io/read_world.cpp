@@ -21,7 +21,7 @@ void WorldSnapshot::read( Archive& archive, const LoadSettings& settings )
 	{
 		readBodies( archive );
 	}
-	archive( m_touched, m_attachments, m_values );
+	archive( m_touched, m_attachments, m_frames, m_values );
 	m_group.archive( archive );
 	m_broadphase.archive( archive, int( m_entries.size() ) );
 	archive( m_pairs );
@@ -134,7 +134,7 @@ void WorldSnapshot::readBodies( Archive& archive )
 		m_records.emplace_back();
 		m_records.back().read( archive, m_templates, live );
 		const bool isSame = archive.isSound() && live &&
-			live->impl().bodyTemplate == m_templates[std::size_t( m_records.back().bodyTemplate )];
+			live->impl().bodyTemplate->fingerprint() == m_templates[std::size_t( m_records.back().bodyTemplate )]->fingerprint();
 		m_live.push_back( isSame ? live : nullptr );
 	}
 }
@@ -225,6 +225,7 @@ void WorldSnapshot::checkReferences( Archive& archive )
 		archive.require( std::all_of( outside.begin(), outside.end(), [this]( const OutsideRecord& o ) { return isObject( o.object ); } ),
 			"An impulse acts on an object that is not there." );
 	}
+	checkFrames( archive );
 	for ( const PairRecord& pair : m_pairs )
 	{
 		checkPair( archive, pair );

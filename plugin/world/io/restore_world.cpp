@@ -6,21 +6,12 @@
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
-#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
 #include <algorithm>
 
 namespace pliant {
 
 namespace {
-
-/// Has an algorithm make its manifolds, and takes no points: no callback of the game is called.
-class NoPoints : public btManifoldResult
-{
-public:
-	using btManifoldResult::btManifoldResult;
-	void addContactPoint( const btVector3&, const btVector3&, btScalar ) override {}
-};
 
 /// Removes the points of manifolds that go. Nothing has parted, so that the game is not told; it gets back what it has put into them.
 void emptyManifolds( const btManifoldArray& manifolds )
@@ -60,6 +51,7 @@ void WorldSnapshot::commit( RestoredWorld& report )
 	m_broadphase.applyTo( *m_step.m_parts.world.getBroadphase(), m_step.m_parts.objects, m_step.m_parts.dispatcher );
 	endContacts(); // another broadphase than btDbvtBroadphase has found pairs by itself
 	restoreReferences();
+	restoreFrames();
 	restorePairs();
 	restoreValues();
 	for ( const Entry& entry : m_entries )
@@ -244,15 +236,15 @@ void WorldSnapshot::restorePair( const PairRecord& record )
 	{
 		return; // the game's filter refuses it now, or it was never looked at
 	}
-	const btCollisionObjectWrapper wrapped[2] = { { nullptr, first->getCollisionShape(), first, first->getWorldTransform(), -1, -1 },
-		{ nullptr, second->getCollisionShape(), second, second->getWorldTransform(), -1, -1 } };
-	pair->m_algorithm = m_step.m_parts.dispatcher->findAlgorithm( &wrapped[0], &wrapped[1], nullptr, BT_CONTACT_POINT_ALGORITHMS );
+	const WrappedPair wrapped( *first, *second );
+	pair->m_algorithm = m_step.m_parts.dispatcher->findAlgorithm( &wrapped.first, &wrapped.second, nullptr, BT_CONTACT_POINT_ALGORITHMS );
 	if ( !pair->m_algorithm )
 	{
 		return;
 	}
 	btManifoldArray manifolds;
-	if ( record.isSoft && ( SurfaceTest::isSurface( wrapped[0] ) || SurfaceTest::isSurface( wrapped[1] ) ) ) // the dispatcher has made ours
+	if ( record.isSoft &&
+		( SurfaceTest::isSurface( wrapped.first ) || SurfaceTest::isSurface( wrapped.second ) ) ) // the dispatcher has made ours
 	{
 		PairContacts& contacts = static_cast<NodeAlgorithm*>( pair->m_algorithm )->contacts();
 		contacts.carry( record.soft, *first, *second );
@@ -260,8 +252,7 @@ void WorldSnapshot::restorePair( const PairRecord& record )
 	}
 	else if ( !record.isSoft )
 	{
-		NoPoints result( &wrapped[0], &wrapped[1] );
-		pair->m_algorithm->processCollision( &wrapped[0], &wrapped[1], m_step.m_parts.world.getDispatchInfo(), &result );
+		makeManifolds( *pair->m_algorithm, record.children, wrapped, *m_step.m_parts.dispatcher, m_step.m_parts.world.getDispatchInfo() );
 		pair->m_algorithm->getAllContactManifolds( manifolds );
 	}
 	fillManifolds( record, manifolds );

@@ -24,7 +24,7 @@ void WorldSnapshot::PairRecord::archive( Archive& archive )
 	{
 		archive( soft );
 	}
-	archive( contacts );
+	archive( children, contacts );
 }
 
 void archive( Archive& archive, SharedNodes& nodes )
@@ -65,7 +65,7 @@ void WorldSnapshot::write( Archive& archive, const SaveSettings& settings )
 	{
 		BodyRecord::write( archive, *m_live[k], m_records[k] );
 	}
-	archive( m_touched, m_attachments, m_values );
+	archive( m_touched, m_attachments, m_frames, m_values );
 	m_bodies.group.archive( archive );
 	m_broadphase.archive( archive, int( m_entries.size() ) );
 	archive( m_pairs );
@@ -85,7 +85,9 @@ void WorldSnapshot::collect( const SaveSettings& settings )
 	{
 		const SoftBody::Impl& impl = body->impl();
 		BodyRecord record = BodyRecord::of( *body );
-		const auto known = std::find( m_templates.begin(), m_templates.end(), impl.bodyTemplate );
+		record.isDrawn = record.isDrawn && !settings.forComparison; // says nothing of its state
+		const auto known = std::find_if( m_templates.begin(), m_templates.end(),
+			[&impl]( const auto& each ) { return each->fingerprint() == impl.bodyTemplate->fingerprint(); } );
 		record.bodyTemplate = int( known - m_templates.begin() );
 		known == m_templates.end() ? m_templates.push_back( impl.bodyTemplate ) : void();
 		record.family = impl.family ? indexIn( families, impl.family ) : -1;
@@ -127,6 +129,7 @@ void WorldSnapshot::collect( const SaveSettings& settings )
 	}
 	collectValues();
 	collectAttachments();
+	collectFrames();
 	m_broadphase = BroadphaseRecord::of( *m_step.m_parts.world.getBroadphase(), objects, !settings.forComparison );
 	collectPairs();
 }
@@ -213,6 +216,7 @@ WorldSnapshot::PairRecord WorldSnapshot::recordOf( const btBroadphasePair& pair 
 	}
 	else if ( record.hasAlgorithm )
 	{
+		record.children = childrenOf( *pair.m_algorithm );
 		btManifoldArray manifolds;
 		pair.m_algorithm->getAllContactManifolds( manifolds );
 		for ( int k = 0; k < manifolds.size(); ++k )
@@ -226,7 +230,7 @@ WorldSnapshot::PairRecord WorldSnapshot::recordOf( const btBroadphasePair& pair 
 WorldSnapshot::PairRecord WorldSnapshot::selfContactsOf( const SoftBody& body )
 {
 	const PairContacts& contacts = *body.impl().self->contacts;
-	return PairRecord{ indexOf( &body ), indexOf( &body ), false, true, contacts.carried(), contactsOf( contacts ) };
+	return PairRecord{ indexOf( &body ), indexOf( &body ), false, true, contacts.carried(), {}, contactsOf( contacts ) };
 }
 
 void WorldSnapshot::collectPairs()

@@ -5,6 +5,7 @@
 #include "pliant/io/snapshot.h"
 #include "world/io/body_record.h"
 #include "world/io/broadphase_record.h"
+#include "world/io/child_contacts.h"
 #include "world/io/manifold_record.h"
 #include "world/step/world_step.h"
 
@@ -41,6 +42,7 @@ private:
 		int first = -1, second = -1; ///< objects
 		bool hasAlgorithm = false, isSoft = false;
 		PairContacts::Carried soft;
+		std::vector<ChildPair> children; ///< of compounds, in the order of their manifolds
 		std::vector<ManifoldRecord> contacts;
 		void archive( Archive& archive );
 	};
@@ -48,6 +50,13 @@ private:
 	{
 		Attachment attachment;
 		int first = -1, second = -1, rigid = -1; ///< objects
+		void archive( Archive& archive );
+	};
+	/// A frame whose rigid body is in the world.
+	struct FrameRecord
+	{
+		int rigid = -1, body = -1; ///< objects; body -1: the patch is gone
+		Frame frame;               ///< without its shape and its rigid body
 		void archive( Archive& archive );
 	};
 	struct OutsideRecord
@@ -75,6 +84,7 @@ private:
 	void writeTemplates( Archive& archive, bool areStored );
 	void collectValues();
 	void collectAttachments();
+	void collectFrames();
 	void collectPairs();
 	PairRecord recordOf( const btBroadphasePair& pair );
 	PairRecord selfContactsOf( const SoftBody& body );
@@ -87,6 +97,7 @@ private:
 	void findObjects( Archive& archive, const LoadSettings& settings );
 	void readBodies( Archive& archive );
 	void checkReferences( Archive& archive );
+	void checkFrames( Archive& archive );
 	void checkPair( Archive& archive, const PairRecord& pair ) const;
 	bool isSoft( int object ) const { return m_entries[std::size_t( object )].record >= 0; }
 	bool isObject( int object ) const { return object >= 0 && std::size_t( object ) < m_entries.size(); }
@@ -99,6 +110,7 @@ private:
 	void placeBodies( RestoredWorld& report );
 	void orderObjects();
 	void restoreReferences();
+	void restoreFrames();
 	void restorePairs();
 	void restorePair( const PairRecord& record );
 	void fillManifolds( const PairRecord& record, const btAlignedObjectArray<btPersistentManifold*>& manifolds );
@@ -115,6 +127,7 @@ private:
 	std::vector<int> m_familySizes;
 	std::vector<std::vector<CutTrace>> m_cuts;
 	std::vector<AttachmentRecord> m_attachments;
+	std::vector<FrameRecord> m_frames;
 	Values m_values;
 	SubstepGroup m_group;
 	BroadphaseRecord m_broadphase;

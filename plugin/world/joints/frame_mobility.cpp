@@ -203,6 +203,21 @@ void setFreeMobility( Frame& frame )
 	setMobility( frame, 1 );
 }
 
+void Frames::restoreMobilities()
+{
+	for ( Frame& frame : m_frames )
+	{
+		if ( frame.body )
+		{
+			const auto count = std::count_if(
+				m_frames.begin(), m_frames.end(), [&frame]( const Frame& other ) { return other.body == frame.body; } );
+			const double learning = frame.learning;
+			setMobility( frame, frame.body->impl().isImplicit ? int( count ) : 1 );
+			frame.learning = learning;
+		}
+	}
+}
+
 void Frames::press( SoftBody& body, bool isOn )
 {
 	forFramesOf( body, [isOn]( Frame& frame ) {

@@ -151,6 +151,42 @@ const Frame* Frames::find( const btRigidBody& rigid ) const
 	return found == m_frames.end() ? nullptr : &*found;
 }
 
+void Frame::copyState( const Frame& from )
+{
+	radius = from.radius;
+	middle = from.middle;
+	patch = from.patch;
+	at = from.at;
+	rotation = from.rotation;
+	mean = from.mean;
+	mass = from.mass;
+	inertia = from.inertia;
+	force = from.force;
+	response = from.response;
+	mobility = from.mobility;
+	learning = from.learning;
+	given = from.given;
+}
+
+void Frames::restore(
+	std::size_t number, const btRigidBody& rigid, const Frame& state, SoftBody* body, const btDiscreteDynamicsWorld& world )
+{
+	const auto found = std::find_if(
+		m_frames.begin(), m_frames.end(), [&rigid]( const Frame& frame ) { return frame.rigid.get() == &rigid; } );
+	std::swap( m_frames[number], *found );
+	Frame& frame = m_frames[number];
+	frame.copyState( state );
+	frame.body = body;
+	frame.isSolved = false;
+	if ( !body )
+	{
+		release( frame, world );
+		return;
+	}
+	frame.rigid->setFlags( BT_DISABLE_WORLD_GRAVITY );
+	frame.rigid->setGravity( btVector3( 0, 0, 0 ) );
+}
+
 btRigidBody* Frames::add( btDiscreteDynamicsWorld& world, SoftBody& body, const Vec3d& at, double radius )
 {
 	Frame frame;

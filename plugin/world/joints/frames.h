@@ -62,6 +62,9 @@ struct Frame
 	Vector6 given = Vector6::Zero(); ///< the velocity that Bullet's solver got
 	bool isSolved = false;           ///< Bullet's solver has it in this pass
 
+	/// Takes over what a pass changes of another frame: all but the objects.
+	void copyState( const Frame& from );
+
 	// The piece that gets the frame while its body breaks.
 	SoftBody* claimant = nullptr;
 	std::vector<Node> claimedPatch;
@@ -81,6 +84,10 @@ public:
 	std::vector<Frame>& all() { return m_frames; }
 	const std::vector<Frame>& all() const { return m_frames; }
 	const Frame* find( const btRigidBody& rigid ) const;
+	/// Makes the frame of a rigid body the one with this number, in a state that it had; `body`: null where its patch was gone.
+	void restore( std::size_t number, const btRigidBody& rigid, const Frame& state, SoftBody* body, const btDiscreteDynamicsWorld& world );
+	/// Gives the rigid bodies their masses again when all are restored.
+	void restoreMobilities();
 
 	// One pass, for the frames of one body.
 	void place( const SoftBody& body );                   ///< where its patch is

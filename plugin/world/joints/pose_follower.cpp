@@ -38,9 +38,6 @@ void PoseFollower::gather( const Body& body, double reached )
 	}
 }
 
-// With k = omega^2 strength blend and c = 2 zeta sqrt( k ) the spring's impulse over the mass is h ( k ( t - x - h v' ) + c ( w - v' ) ), t
-// and w the target and its velocity at the end of the substep. A node that would end beyond its largest distance d is held at the point of
-// the sphere of radius d about t that is nearest to it.
 void PoseFollower::shift( const Vec3d& by )
 {
 	for ( std::vector<Vec3d>* const positions : { &before, &target } )
@@ -52,6 +49,9 @@ void PoseFollower::shift( const Vec3d& by )
 	}
 }
 
+// With k = omega^2 strength blend and c = 2 zeta sqrt( k ) the spring's impulse over the mass is h ( k ( t - x - h v' ) + c ( w - v' ) ), t
+// and w the target and its velocity at the end of the substep. A node that would end beyond its largest distance d is held at the point of
+// the sphere of radius d about t that is nearest to it.
 void PoseFollower::pull( Body& body, double h, int number, int count, const Vec3& gravity )
 {
 	NodePull& pull = body.pull();

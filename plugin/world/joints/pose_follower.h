@@ -12,6 +12,8 @@
 
 namespace pliant {
 
+class Archive;
+
 /// The immutable part, which all pieces of a body share.
 struct PoseModel
 {
@@ -56,6 +58,10 @@ public:
 	void sum( const Body& body, double h );
 	/// At the end of a game step: its targets are reached.
 	void endStep( const Vec3d& massCentre );
+
+	/// Writes or reads the model, for a template of so many cells; and what changes from step to step.
+	void archiveMake( Archive& archive, std::size_t cells );
+	void archiveState( Archive& archive );
 
 private:
 	/// Where a node is to be: means over its cells.

@@ -92,6 +92,43 @@ TEST( Saving, BodyWithoutItsTemplateNeedsItListed )
 	EXPECT_EQ( &loaded.value->bodyTemplate(), cube().get() );
 }
 
+// Bodies of equal templates took over one of them: the others were deleted and made anew.
+TEST( Saving, BodiesOfEqualTemplatesStayTheSameBodies )
+{
+	TestWorld world;
+	SoftBody* const bodies[2] = {
+		world.addSoft( block( 3, 3, 3, 0.1f ), at( 0, 1, 0 ) ), world.addSoft( block( 3, 3, 3, 0.1f ), at( 1, 1, 0 ) ) };
+	const BodyTemplate* const made[2] = { &bodies[0]->bodyTemplate(), &bodies[1]->bodyTemplate() };
+	ASSERT_NE( made[0], made[1] );
+	const Bytes saved = savedWorld( world.world, true ), before = stateOf( world.world );
+	world.run( 3 );
+	for ( const bool isForeign : { false, true } )
+	{
+		const auto restored = restoreWorld( world.world, isForeign ? foreign( saved ) : saved );
+		ASSERT_TRUE( restored.ok() ) << restored.status.sentence;
+		EXPECT_TRUE( restored.value.created.empty() && restored.value.removed.empty() );
+		EXPECT_TRUE( areEqual( stateOf( world.world ), before ) );
+		for ( int k = 0; k < 2; ++k )
+		{
+			EXPECT_EQ( &bodies[k]->bodyTemplate(), made[k] );
+		}
+	}
+}
+
+TEST( Saving, FramesThatTheWorldLacksAreRefused )
+{
+	TestWorld world;
+	SoftBody* const body = world.addSoft( cube(), at( 0, 1, 0 ) );
+	const auto frame = world.world.addFrame( *body, btVector3( 0, 1.2f, 0 ), 0.15f );
+	ASSERT_TRUE( frame.ok() ) << frame.status.sentence;
+	const Bytes saved = savedWorld( world.world );
+	ASSERT_TRUE( world.world.removeFrame( frame.value ) );
+	world.add( 1, new btSphereShape( 0.15f ), at( 0, 3, 0 ) ); // in its place
+	const Bytes before = stateOf( world.world );
+	expectRefused( restoreWorld( world.world, saved ).status, "frame" );
+	EXPECT_TRUE( areEqual( stateOf( world.world ), before ) );
+}
+
 /// A cube on the floor, which cutInTwo() cuts.
 void cubeOnFloor( TestWorld& world )
 {

@@ -1,10 +1,15 @@
 // A world that was restored steps on as the one that was saved, to the bit: in the same world after it has gone on, and in another one that
 // was made the same way.
 
+#include "support/mesh_of_boxes.h"
 #include "support/snapshots.h"
 #include "world/test_world.h"
 
+#include <pliant/game/skeleton.h>
+
+#include <memory>
 #include <ostream>
+#include <vector>
 
 namespace pliant::test {
 namespace {
@@ -118,6 +123,64 @@ void heap( TestWorld& world )
 	}
 }
 
+/// An L of two boxes, whose rigid state has two hulls.
+const std::shared_ptr<const BodyTemplate>& angle()
+{
+	static const std::shared_ptr<const BodyTemplate> made = [] {
+		MeshOfBoxes mesh;
+		mesh.add( btVector3( 0, 0.1f, 0 ), btVector3( 0.3f, 0.1f, 0.1f ) );
+		mesh.add( btVector3( -0.2f, 0.35f, 0 ), btVector3( 0.1f, 0.15f, 0.1f ) );
+		return mesh.build( 0.05f );
+	}();
+	return made;
+}
+
+/// Stiff bodies and rigid crosses in a heap: which children of two compounds have contacts depends on the past.
+void compounds( TestWorld& world )
+{
+	world.addFloor();
+	static btBoxShape beam( btVector3( 0.3f, 0.05f, 0.05f ) );
+	for ( int k = 0; k < 5; ++k )
+	{
+		Material material = stiff( 1e7f );
+		material.elasticity = k % 2 == 0 ? Elasticity::Explicit : Elasticity::Implicit;
+		material.rigidStrain = 0.01f;
+		const btQuaternion turn( btVector3( 1, float( k ), 2 ).normalized(), 0.6f * float( k ) );
+		SoftBody* const body = world.addSoft(
+			angle(), btTransform( turn, btVector3( 0.1f * float( k ), 0.4f + 0.5f * float( k ), 0 ) ), material );
+		k == 4 ? breakable( *body, 0.01f ) : void();
+		auto* const cross = new btCompoundShape; // the world's
+		cross->addChildShape( btTransform::getIdentity(), &beam );
+		cross->addChildShape( btTransform( btQuaternion( btVector3( 0, 0, 1 ), SIMD_HALF_PI ) ), &beam );
+		world.add( 1, cross, at( 0.2f * float( k ) - 0.3f, 0.6f + 0.5f * float( k ), 0.1f ) );
+	}
+}
+
+/// A soft door on a hinge, which a ball pushes, and a body that moves to a pose.
+void doorAndPose( TestWorld& world )
+{
+	world.addFloor();
+	btRigidBody* const post = world.addBox( 0, btVector3( 0.05f, 0.5f, 0.05f ), at( -0.4f, 0.8f, 0 ) );
+	SoftBody* const door = world.addSoft( bar(), at( 0, 0.8f, 0 ), soft( Elasticity::Implicit ) );
+	const auto frame = world.world.addFrame( *door, btVector3( -0.25f, 0.8f, 0 ), 0.12f );
+	ASSERT_TRUE( frame.ok() ) << frame.status.sentence;
+	const btTransform hinge = at( -0.3f, 0.8f, 0 );
+	static std::vector<std::unique_ptr<btTypedConstraint>> joints; // longer than the worlds
+	joints.push_back( std::make_unique<btHingeConstraint>(
+		*post, *frame.value, post->getWorldTransform().inverse() * hinge, frame.value->getWorldTransform().inverse() * hinge ) );
+	world.world.addConstraint( joints.back().get() );
+	world.add( 3, new btSphereShape( 0.1f ), at( 0.1f, 0.8f, 0.4f ) )->setLinearVelocity( btVector3( 0, 1, -5 ) );
+	SoftBody* const follower = world.addSoft( bar(), at( 0, 1.6f, 0 ), soft() );
+	EXPECT_TRUE( followTargets( *follower ).ok() );
+	std::vector<btVector3> targets;
+	for ( int node = 0; node < follower->nodeCount(); ++node )
+	{
+		targets.push_back( follower->nodePosition( node ) + btVector3( 0.3f, 0.1f, 0 ) );
+	}
+	EXPECT_TRUE( setTargets( *follower, targets.data(), int( targets.size() ) ).ok() );
+	EXPECT_TRUE( setPoseBlend( *follower, btScalar( 0.7 ) ).ok() );
+}
+
 class SnapshotOf : public testing::TestWithParam<SnapshotScene>
 {};
 
@@ -176,6 +239,10 @@ const SnapshotScene kScenes[] = {
 	{ "Hangs", hangingBodies, 15, 40 },
 	{ "Heap", heap, 40, 60 },
 	{ "Sleeps", restingBodies, 240, 30 },
+	{ "Compounds", compounds, 50, 30, 1 },
+	{ "CompoundsAtRest", compounds, 200, 30, 1 },
+	{ "DoorAndPose", doorAndPose, 12, 60 },
+	{ "DoorAndPoseLater", doorAndPose, 90, 60 },
 };
 
 INSTANTIATE_TEST_SUITE_P( All, SnapshotOf, testing::ValuesIn( kScenes ),
