@@ -2,6 +2,8 @@
 
 #include "world/io/object_state.h"
 
+#include "world/io/object_state.h"
+
 #include <algorithm>
 #include <functional>
 
@@ -52,8 +54,7 @@ void BroadphaseRecord::Proxy::archive( Archive& archive )
 btDbvtBroadphase* BroadphaseRecord::treesOf( btBroadphaseInterface& broadphase )
 {
 	static btDbvtBroadphase known;
-	const bool isOne = std::memcmp( static_cast<const void*>( &broadphase ), static_cast<const void*>( &known ), sizeof( void* ) ) == 0;
-	return isOne ? static_cast<btDbvtBroadphase*>( &broadphase ) : nullptr;
+	return isSameClass( broadphase, known ) ? static_cast<btDbvtBroadphase*>( &broadphase ) : nullptr;
 }
 
 void BroadphaseRecord::readTree( const btDbvt& from, Tree& tree )

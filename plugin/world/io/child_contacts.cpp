@@ -1,5 +1,7 @@
 #include "world/io/child_contacts.h"
 
+#include "world/io/object_state.h"
+
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btCompoundCompoundCollisionAlgorithm.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
@@ -41,6 +43,34 @@ const btCompoundShape& compoundOf( const btCollisionObjectWrapper& of )
 	return *static_cast<const btCompoundShape*>( of.getCollisionShape() );
 }
 
+/// An algorithm of each class, of compounds without children.
+struct KnownAlgorithms
+{
+	btCompoundShape shape;
+	btCollisionObject object;
+	btCollisionObjectWrapper wrapped{ nullptr, &shape, &object, btTransform::getIdentity(), -1, -1 };
+	btCompoundCollisionAlgorithm one{ btCollisionAlgorithmConstructionInfo( nullptr, 0 ), &wrapped, &wrapped, false };
+	btCompoundCompoundCollisionAlgorithm two{ btCollisionAlgorithmConstructionInfo( nullptr, 0 ), &wrapped, &wrapped, false };
+
+	static const KnownAlgorithms& all()
+	{
+		static const KnownAlgorithms known;
+		return known;
+	}
+};
+
+btCompoundCompoundCollisionAlgorithm* asTwoCompounds( btCollisionAlgorithm& algorithm )
+{
+	const bool isOne = isSameClass( algorithm, KnownAlgorithms::all().two );
+	return isOne ? static_cast<btCompoundCompoundCollisionAlgorithm*>( &algorithm ) : nullptr;
+}
+
+btCompoundCollisionAlgorithm* asOneCompound( btCollisionAlgorithm& algorithm )
+{
+	const bool isOne = isSameClass( algorithm, KnownAlgorithms::all().one );
+	return isOne ? static_cast<btCompoundCollisionAlgorithm*>( &algorithm ) : nullptr;
+}
+
 bool hasChild( const btCollisionObjectWrapper& object, int child )
 {
 	return object.getCollisionShape()->isCompound() && child >= 0 && child < compoundOf( object ).getNumChildShapes();
@@ -63,7 +93,7 @@ WrappedPair::WrappedPair( const btCollisionObject& a, const btCollisionObject& b
 std::vector<ChildPair> childrenOf( btCollisionAlgorithm& algorithm )
 {
 	std::vector<ChildPair> children;
-	if ( auto* const two = dynamic_cast<btCompoundCompoundCollisionAlgorithm*>( &algorithm ) )
+	if ( auto* const two = asTwoCompounds( algorithm ) )
 	{
 		const btSimplePairArray& pairs = pairsOf( *two )->getOverlappingPairArray();
 		for ( int k = 0; k < pairs.size(); ++k )
@@ -71,7 +101,7 @@ std::vector<ChildPair> childrenOf( btCollisionAlgorithm& algorithm )
 			children.push_back( ChildPair{ pairs[k].m_indexA, pairs[k].m_indexB } );
 		}
 	}
-	else if ( auto* const one = dynamic_cast<btCompoundCollisionAlgorithm*>( &algorithm ) )
+	else if ( auto* const one = asOneCompound( algorithm ) )
 	{
 		const btAlignedObjectArray<btCollisionAlgorithm*>& algorithms = OneCompound::children( *one );
 		for ( int k = 0; k < algorithms.size(); ++k )
@@ -89,7 +119,7 @@ void makeManifolds( btCollisionAlgorithm& algorithm, const std::vector<ChildPair
 		NoPoints result( &a, &b );
 		child.processCollision( &a, &b, info, &result );
 	};
-	if ( auto* const two = dynamic_cast<btCompoundCompoundCollisionAlgorithm*>( &algorithm ) )
+	if ( auto* const two = asTwoCompounds( algorithm ) )
 	{
 		for ( const ChildPair& child : children )
 		{
@@ -103,7 +133,7 @@ void makeManifolds( btCollisionAlgorithm& algorithm, const std::vector<ChildPair
 			}
 		}
 	}
-	else if ( auto* const one = dynamic_cast<btCompoundCollisionAlgorithm*>( &algorithm ) )
+	else if ( auto* const one = asOneCompound( algorithm ) )
 	{
 		btAlignedObjectArray<btCollisionAlgorithm*>& algorithms = OneCompound::children( *one );
 		const bool isSwapped = OneCompound::isSwapped( *one );

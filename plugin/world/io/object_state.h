@@ -7,7 +7,17 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <LinearMath/btTransform.h>
 
+#include <cstring>
+
 namespace pliant {
+
+/// Whether an object of a polymorphic class of Bullet's is of exactly the class of `known`: by the tables of their virtual functions, since
+/// Bullet may be built without run-time type information.
+template <class Base, class Known>
+bool isSameClass( const Base& object, const Known& known )
+{
+	return std::memcmp( static_cast<const void*>( &object ), static_cast<const void*>( &known ), sizeof( void* ) ) == 0;
+}
 
 void archive( Archive& archive, btVector3& vector );
 void archive( Archive& archive, btTransform& transform );
