@@ -233,6 +233,8 @@ inline constexpr int kMostDoublings = 40;
 
 /// A link whose mobility is less than this fraction of that of a free body of its mass is held by its joints or its base.
 inline constexpr double kLeastLinkMobility = 1e-6;
+/// What its joints hold of a link moves by this fraction of what the link alone would: an exactly locked axis has no mass matrix.
+inline constexpr double kLockedLinkMobility = 1e-3;
 
 // --- Bodies in their rigid state (Material::rigidStrain) ---
 

@@ -122,6 +122,18 @@ void SoftBodySystem::wakeDriven()
 	}
 }
 
+void SoftBodySystem::wakeUnsupported()
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		const SoftBody::Impl& impl = body->impl();
+		if ( body->getActivationState() == WANTS_DEACTIVATION && impl.wasTouched && impl.touched.empty() )
+		{
+			body->activate();
+		}
+	}
+}
+
 void SoftBodySystem::updateActivation( btScalar h )
 {
 	for ( SoftBody* body : m_bodies )
@@ -132,6 +144,7 @@ void SoftBodySystem::updateActivation( btScalar h )
 			continue;
 		}
 		SoftBody::Impl& impl = body->impl();
+		impl.wasTouched = !impl.touched.empty();
 		const double calm = kAllowanceCalm * double( impl.shape->smallestRadius() );
 		impl.slowTime = impl.meanSquareSpeed < calm * calm ? impl.slowTime + double( h ) : 0.0;
 		const bool canSleep = state != DISABLE_DEACTIVATION && !gDisableDeactivation && gDeactivationTime > 0;

@@ -234,6 +234,7 @@ struct SoftBody::Impl
 	};
 	mutable std::vector<Near> nearNodes;
 	std::vector<ContactProxy*> touched;    ///< the proxies in proxyOfNode that are not null
+	bool wasTouched = false;               ///< at the end of the last pass something touched it
 	NodeSurface surface;                   ///< surface parameters of the contact proxies
 	mutable ContactSurface contactSurface; ///< read through surfaceNow()
 	mutable std::vector<float> nodeAxes;   ///< rotations at the nodes (Body::nodeRotations), only with anisotropic friction

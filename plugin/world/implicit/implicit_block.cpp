@@ -11,6 +11,7 @@ void ImplicitBlock::clear()
 {
 	soft.clear();
 	rigid.clear();
+	linked.clear();
 	contacts.clear();
 	frictionScales.clear();
 }
@@ -86,6 +87,13 @@ void ImplicitBlock::applyMasses( const float* v, float* to )
 	for ( const RigidPart& part : rigid )
 	{
 		const float* from = v + part.offset;
+		if ( part.linked >= 0 )
+		{
+			Eigen::Map<Eigen::Matrix<float, 6, 1>>( to + part.offset ) = linkMomentum( part, [v]( const RigidPart& link ) {
+				return Vector6( Eigen::Map<const Eigen::Matrix<float, 6, 1>>( v + link.offset ).cast<double>() );
+			} ).cast<float>();
+			continue;
+		}
 		const Vec3d spin = part.inertia * Vec3d( double( from[3] ), double( from[4] ), double( from[5] ) );
 		for ( int k = 0; k < 3; ++k )
 		{

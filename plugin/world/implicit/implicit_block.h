@@ -96,6 +96,14 @@ struct RigidPart
 	Vector6 expectedVelocity = Vector6::Zero(); ///< result of Bullet's solver if joints and rigid contacts do nothing
 	Vec3d centre = Vec3d::Zero();               ///< centre of mass, world, m
 	int coarse = -1;                            ///< body index in the coarse system
+	int linked = -1, link = 0;                  ///< of a link: index in ImplicitBlock::linked, and its number there
+};
+
+/// Links of a multibody that take part in a block. An impulse on one moves all of them.
+struct LinkedParts
+{
+	std::vector<int> parts; ///< indices of rigid parts
+	Eigen::MatrixXd mass;   ///< six rows and columns for each, as a rigid part's mass and inertia: kg, kg m, kg m^2
 };
 
 /// An active contact in the compact form used by matrix products: the force is across u + along ( u.n ) n.
@@ -126,6 +134,7 @@ class ImplicitBlock : private LinearSystem
 public:
 	std::vector<SoftPart> soft;
 	std::vector<RigidPart> rigid;
+	std::vector<LinkedParts> linked;
 	std::vector<BlockContact> contacts;
 	/// S of anisotropic friction: jt = S ( scaledMultiplier - kt ut ), symmetric, with the normal in its null space.
 	std::vector<Eigen::Matrix3d> frictionScales;
@@ -137,6 +146,32 @@ public:
 	Vec3d freeVelocity( const BlockContact& contact ) const;
 	/// Returns the angular velocity of the connected part that a node belongs to, rad/s.
 	const Vec3d& angularVelocityOf( const ContactSide& side );
+	/// Returns the momentum and the angular momentum that a link has through its multibody's motion; `velocity( part )` gives that of a
+	/// part.
+	template <class Velocity>
+	Vector6 linkMomentum( const RigidPart& part, Velocity&& velocity ) const
+	{
+		const LinkedParts& whole = linked[std::size_t( part.linked )];
+		Vector6 sum = Vector6::Zero();
+		for ( std::size_t k = 0; k < whole.parts.size(); ++k )
+		{
+			sum += whole.mass.block<6, 6>( 6 * part.link, 6 * Eigen::Index( k ) ) * velocity( rigid[std::size_t( whole.parts[k] )] );
+		}
+		return sum;
+	}
+	/// Calls visit( a, b, coarse body of a, coarse body of b ) for each pair of links, themselves included, the higher coarse body first.
+	template <class Visit>
+	void forLinkPairs( const LinkedParts& whole, Visit&& visit ) const
+	{
+		for ( int a = 0; a < int( whole.parts.size() ); ++a )
+		{
+			for ( int b = 0; b <= a; ++b ) // parts, and so coarse bodies, ascend
+			{
+				visit( a, b, rigid[std::size_t( whole.parts[std::size_t( a )] )].coarse,
+					rigid[std::size_t( whole.parts[std::size_t( b )] )].coarse );
+			}
+		}
+	}
 	/// Returns the relative velocity at a contact at the start of the substep, m/s.
 	Vec3d velocityBefore( const BlockContact& contact ) const;
 

@@ -91,6 +91,14 @@ void ImplicitBlock::restoreMomentum()
 			groups.join( std::uint32_t( 1 + parts + p ), 0 );
 		}
 	}
+	for ( const LinkedParts& whole : linked )
+	{
+		for ( const int part : whole.parts )
+		{
+			groups.join(
+				std::uint32_t( 1 + parts + std::size_t( whole.parts.front() ) ), std::uint32_t( 1 + parts + std::size_t( part ) ) );
+		}
+	}
 	// Groups in the order of their lowest member, each with its members in ascending order.
 	m_groupStart.assign( count + 1, 0 );
 	for ( std::uint32_t k = 0; k < count; ++k )
@@ -135,6 +143,11 @@ ImplicitBlock::MovingBody ImplicitBlock::movingBodyAt( std::uint32_t k )
 	moving.mass( 0, 0 ) = moving.rigid->mass;
 	moving.mass.bottomRightCorner<3, 3>() = moving.rigid->inertia;
 	moving.missingMomentum << moving.rigid->mass * missingVelocity.head<3>(), moving.rigid->inertia * missingVelocity.tail<3>();
+	if ( moving.rigid->linked >= 0 )
+	{
+		moving.missingMomentum = linkMomentum(
+			*moving.rigid, []( const RigidPart& link ) { return Vector6( link.freeVelocity - link.velocity ); } );
+	}
 	return moving;
 }
 

@@ -22,6 +22,12 @@ void ImplicitBlock::fillFree()
 	}
 	for ( const RigidPart& part : rigid )
 	{
+		if ( part.linked >= 0 )
+		{
+			Eigen::Map<Eigen::Matrix<float, 6, 1>> free( m_free.data() + part.offset );
+			free = linkMomentum( part, []( const RigidPart& link ) { return link.freeVelocity; } ).cast<float>() - free;
+			continue;
+		}
 		const Vec3d spin = part.inertia * part.freeVelocity.tail<3>();
 		for ( int k = 0; k < 3; ++k )
 		{

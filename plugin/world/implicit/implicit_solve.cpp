@@ -157,6 +157,10 @@ void ImplicitSolve::before( const std::vector<SoftBody*>& awake, Attachments& at
 	m_reach.choose( dispatcher, attachments, *this, int( m_tagOf.size() ) );
 	m_contacts.gather( dispatcher, info, *this, m_blocks );
 	m_contacts.gatherAttachments( attachments, m_h, *this, m_blocks );
+	for ( std::size_t k = 0; k < m_tagOf.size(); ++k )
+	{
+		m_moved.measureLinks( m_blocks[k] );
+	}
 	m_outside.erase(
 		std::remove_if( m_outside.begin(), m_outside.end(), [this]( const OutsideImpulse& outside ) { return outside.stamp != m_stamp; } ),
 		m_outside.end() );
@@ -182,12 +186,16 @@ void ImplicitSolve::storeVelocities( ImplicitBlock& block )
 {
 	for ( RigidPart& part : block.rigid )
 	{
-		part.expectedVelocity = part.velocity - outsideOf( *part.object ).change;
-		m_moved.move( part, part.expectedVelocity - MovedObjects::forceOf( *part.object, m_h ) );
+		if ( part.linked < 0 )
+		{
+			part.expectedVelocity = part.velocity - outsideOf( *part.object ).change;
+			m_moved.move( part, part.expectedVelocity - MovedObjects::forceOf( *part.object, m_h ) );
+		}
 	}
+	m_moved.moveLinks( block );
 	for ( RigidPart& part : block.rigid )
 	{
-		if ( isLink( *part.object ) ) // impulses on the other links of its multibody have moved it too
+		if ( part.linked >= 0 )
 		{
 			part.expectedVelocity = m_moved.velocityOf( *part.object );
 		}

@@ -6,6 +6,8 @@
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
+#include <algorithm>
+
 namespace pliant {
 
 namespace {
@@ -72,8 +74,6 @@ void MovedObjects::respond( const btMultiBodyLinkCollider& link, const Vector6& 
 	link.m_multiBody->calcAccelerationDeltasMultiDof( &m_force[0], &m_change[0], m_scratch, m_vectors );
 }
 
-// A link has its own mass and inertia, not the effective ones at its centre, which include its neighbours: the impulses of several links
-// that land together would then add up to more than the multibody's momentum, and the links would bounce.
 bool MovedObjects::measure( btCollisionObject& object, RigidPart& part )
 {
 	if ( const btRigidBody* const body = btRigidBody::upcast( &object ) )
@@ -146,28 +146,101 @@ Vector6 MovedObjects::forceOf( const btCollisionObject& object, double h )
 	return force;
 }
 
+void MovedObjects::fillMobility( const ImplicitBlock& block, LinkedParts& whole )
+{
+	const auto linkOf = [&]( std::size_t k ) -> const btMultiBodyLinkCollider& {
+		return asLink( *block.rigid[std::size_t( whole.parts[k] )].object );
+	};
+	const Eigen::Index size = 6 * Eigen::Index( whole.parts.size() );
+	whole.mass.resize( size, size );
+	const int dofs = 6 + linkOf( 0 ).m_multiBody->getNumDofs();
+	m_changes.resize( dofs, size );
+	for ( std::size_t k = 0; k < whole.parts.size(); ++k )
+	{
+		fillJacobian( linkOf( k ) );
+		for ( int axis = 0; axis < 6; ++axis )
+		{
+			respond( linkOf( k ), Vector6::Unit( axis ) );
+			for ( int i = 0; i < dofs; ++i )
+			{
+				m_changes( i, 6 * Eigen::Index( k ) + axis ) = double( m_change[i] );
+			}
+		}
+	}
+	for ( std::size_t k = 0; k < whole.parts.size(); ++k )
+	{
+		fillJacobian( linkOf( k ) );
+		for ( int axis = 0; axis < 6; ++axis )
+		{
+			const Eigen::Map<const Eigen::Matrix<btScalar, 1, Eigen::Dynamic>> row( &m_jacobian[axis][0], dofs );
+			whole.mass.row( 6 * Eigen::Index( k ) + axis ) = row.cast<double>() * m_changes;
+		}
+	}
+	whole.mass = ( 0.5 * ( whole.mass + whole.mass.transpose() ) ).eval();
+}
+
+void MovedObjects::measureLinks( ImplicitBlock& block )
+{
+	for ( std::size_t p = 0; p < block.rigid.size(); ++p )
+	{
+		RigidPart& part = block.rigid[p];
+		if ( !isLink( *part.object ) )
+		{
+			continue;
+		}
+		const btMultiBody* const body = asLink( *part.object ).m_multiBody;
+		const auto known = std::find_if( block.linked.begin(), block.linked.end(), [&]( const LinkedParts& whole ) {
+			return asLink( *block.rigid[std::size_t( whole.parts.front() )].object ).m_multiBody == body;
+		} );
+		part.linked = int( known - block.linked.begin() );
+		LinkedParts& whole = known == block.linked.end() ? block.linked.emplace_back() : *known;
+		part.link = int( whole.parts.size() );
+		whole.parts.push_back( int( p ) );
+	}
+	for ( LinkedParts& whole : block.linked )
+	{
+		fillMobility( block, whole );
+		for ( std::size_t k = 0; k < whole.parts.size(); ++k )
+		{
+			const RigidPart& part = block.rigid[std::size_t( whole.parts[k] )];
+			const Eigen::Index at = 6 * Eigen::Index( k );
+			whole.mass.block<3, 3>( at, at ) += kLockedLinkMobility / part.mass * Eigen::Matrix3d::Identity();
+			whole.mass.block<3, 3>( at + 3, at + 3 ) += kLockedLinkMobility * part.inertia.inverse();
+		}
+		whole.mass = whole.mass.llt().solve( Eigen::MatrixXd::Identity( whole.mass.rows(), whole.mass.cols() ) ).eval();
+		whole.mass = ( 0.5 * ( whole.mass + whole.mass.transpose() ) ).eval();
+	}
+}
+
 void MovedObjects::move( const RigidPart& part, const Vector6& velocity )
 {
-	if ( btRigidBody* const body = btRigidBody::upcast( part.object ) )
+	btRigidBody& body = *btRigidBody::upcast( part.object );
+	const Vector6 own = velocityOf( body );
+	Vec3d linear, angular;
+	for ( int k = 0; k < 3; ++k )
 	{
-		const Vector6 own = velocityOf( *body );
-		Vec3d linear, angular;
-		for ( int k = 0; k < 3; ++k )
-		{
-			linear[k] = part.moves[k] ? velocity[k] : own[k];
-			angular[k] = part.turns[k] ? velocity[3 + k] : own[3 + k];
-		}
-		body->setLinearVelocity( toBt( linear ) );
-		body->setAngularVelocity( toBt( angular ) );
-		return;
+		linear[k] = part.moves[k] ? velocity[k] : own[k];
+		angular[k] = part.turns[k] ? velocity[3 + k] : own[3 + k];
 	}
-	const btMultiBodyLinkCollider& link = asLink( *part.object );
-	Vector6 impulse;
-	const Vector6 change = part.velocity - part.freeVelocity;
-	impulse << part.mass * change.head<3>(), part.inertia * change.tail<3>();
-	fillJacobian( link );
-	respond( link, impulse );
-	link.m_multiBody->applyDeltaVeeMultiDof( &m_change[0], 1 );
+	body.setLinearVelocity( toBt( linear ) );
+	body.setAngularVelocity( toBt( angular ) );
+}
+
+void MovedObjects::moveLinks( const ImplicitBlock& block )
+{
+	for ( const LinkedParts& whole : block.linked )
+	{
+		for ( const int k : whole.parts )
+		{
+			const RigidPart& part = block.rigid[std::size_t( k )];
+			const btMultiBodyLinkCollider& link = asLink( *part.object );
+			const Vector6 impulse = block.linkMomentum(
+				part, []( const RigidPart& other ) { return Vector6( other.velocity - other.freeVelocity ); } );
+			fillJacobian( link );
+			respond( link, impulse );
+			link.m_multiBody->applyDeltaVeeMultiDof( &m_change[0], 1 );
+		}
+	}
 }
 
 } // namespace pliant

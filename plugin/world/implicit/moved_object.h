@@ -1,8 +1,13 @@
 #pragma once
 
-// What an implicit block moves beside soft bodies: rigid bodies, and links of multibodies. A link is a rigid body with its own mass and
-// inertia; its impulses move the whole multibody, and what its joints add is estimated from the last substeps, as for a rigid body on a
-// joint.
+// What an implicit block moves beside soft bodies: rigid bodies, and links of multibodies. The links of a multibody that take part have one
+// mass matrix: the inverse of the velocities that impulses on each of them give to all,
+//
+//   K = ( W + epsilon D )^-1,   W = J M^-1 J^T,   D = diag( 1 / m, I^-1 ) of the links alone
+//
+// with J the links' velocities by the multibody's coordinates and M its mass matrix, neither of which is formed. W is singular where joints
+// hold: there epsilon makes a link very heavy. What motors, limits and contacts of other links add is estimated from the last substeps, as
+// for a rigid body on a joint.
 
 #include "world/implicit/implicit_block.h"
 
@@ -26,16 +31,22 @@ public:
 	Vector6 velocityOf( const btCollisionObject& object );
 	/// Returns the velocity change within h, s, that Bullet's solver adds for applied forces; of a link zero: it counts as a joint's.
 	static Vector6 forceOf( const btCollisionObject& object, double h );
-	/// Sets a rigid body's velocity where its axes are free. Gives a link's multibody the impulse that the block's solution has for the
-	/// link instead, whatever `velocity` is.
+	/// Fills ImplicitBlock::linked from its rigid parts.
+	void measureLinks( ImplicitBlock& block );
+	/// Sets a rigid body's velocity where its axes are free.
 	void move( const RigidPart& part, const Vector6& velocity );
+	/// Gives multibodies the impulses that the block's solution has for their links.
+	void moveLinks( const ImplicitBlock& block );
 
 private:
+	/// W of the links' parts.
+	void fillMobility( const ImplicitBlock& block, LinkedParts& whole );
 	void fillJacobian( const btMultiBodyLinkCollider& link );
 	/// Writes the change of the multibody's velocities under an impulse and angular impulse at the link's centre to m_change.
 	void respond( const btMultiBodyLinkCollider& link, const Vector6& impulse );
 
 	btAlignedObjectArray<btScalar> m_jacobian[6], m_force, m_change, m_scratch; ///< by degree of freedom
+	Eigen::MatrixXd m_changes; ///< of a multibody's velocities under unit impulses on its links, by column
 	btAlignedObjectArray<btVector3> m_vectors;
 	btAlignedObjectArray<btMatrix3x3> m_matrices;
 };

@@ -275,6 +275,7 @@ void WorldSnapshot::orderTouched( SoftBody& body ) const
 {
 	SoftBody::Impl& impl = body.impl();
 	const auto record = std::size_t( std::find( m_live.begin(), m_live.end(), &body ) - m_live.begin() );
+	impl.wasTouched = !impl.touched.empty();
 	std::vector<ContactProxy*> ordered;
 	for ( const int node : m_touched[record] )
 	{

@@ -113,6 +113,10 @@ void ImplicitBlock::layOutCoarse()
 			m_coarsePairs.emplace_back( std::max( a, b ), std::min( a, b ) );
 		}
 	}
+	for ( const LinkedParts& whole : linked )
+	{
+		forLinkPairs( whole, [&]( int, int, int upper, int lower ) { m_coarsePairs.emplace_back( upper, lower ); } );
+	}
 	m_coarse.layOut( m_coarseSizes, m_coarsePairs );
 }
 
@@ -203,6 +207,11 @@ void ImplicitBlock::fillPreconditioner()
 		CoarseSystem::Piece piece = m_coarse.block( part.coarse, part.coarse );
 		piece.block<3, 3>( 0, 0 ) = part.mass * Eigen::Matrix3d::Identity();
 		piece.block<3, 3>( 3, 3 ) = part.inertia;
+	}
+	for ( const LinkedParts& whole : linked )
+	{
+		forLinkPairs(
+			whole, [&]( int a, int b, int upper, int lower ) { m_coarse.block( upper, lower ) = whole.mass.block<6, 6>( 6 * a, 6 * b ); } );
 	}
 	for ( const BlockContact& contact : contacts )
 	{

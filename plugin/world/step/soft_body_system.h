@@ -76,6 +76,8 @@ public:
 	SubstepGroup group;
 
 	void wakeDriven(); ///< sleeping bodies whose pins move
+	/// Keeps bodies awake that nothing touches any more: Bullet would put what waits for its sleep to sleep in the air.
+	void wakeUnsupported();
 	void beginStep( btScalar gameStep, int substeps );
 	/// The stages up to updateActivation then apply to the bodies that this pass moves.
 	void beginPass( StepPass pass );

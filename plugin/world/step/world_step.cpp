@@ -249,6 +249,7 @@ void WorldStep::detectWhole()
 
 void WorldStep::findIslands()
 {
+	bodies.wakeUnsupported();
 	if ( bodies.group.isSplit() )
 	{
 		findPassIslands();

@@ -84,7 +84,12 @@ public:
 	std::vector<std::unique_ptr<btMultiBodyJointMotor>> motors;
 };
 
-TEST( Gripping, AnArmLiftsASoftBall )
+class Gripping : public ::testing::TestWithParam<Elasticity>
+{};
+
+// Implicitly the ball slipped: the links of the fingers seemed to give way to it, since what their joints add was learnt without what one
+// link's impulse does not move because of the others.
+TEST_P( Gripping, AnArmLiftsASoftBall )
 {
 	btDefaultCollisionConfiguration configuration;
 	btCollisionDispatcher dispatcher( &configuration );
@@ -97,6 +102,7 @@ TEST( Gripping, AnArmLiftsASoftBall )
 	Gripper gripper( world );
 
 	Material material = test::stiff( 3e4f );
+	material.elasticity = GetParam();
 	material.density = 50.0f;
 	material.damping = 5.0f;
 	LatticeSettings settings;
@@ -135,6 +141,9 @@ TEST( Gripping, AnArmLiftsASoftBall )
 	EXPECT_TRUE( ball.isHealthy() );
 	world.removeRigidBody( &ground );
 }
+
+INSTANTIATE_TEST_SUITE_P( BothSteps, Gripping, ::testing::Values( Elasticity::Explicit, Elasticity::Implicit ),
+	[]( const auto& suite ) { return std::string( suite.param == Elasticity::Explicit ? "Explicit" : "Implicit" ); } );
 
 } // namespace
 } // namespace pliant

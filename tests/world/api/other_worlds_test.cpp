@@ -349,7 +349,7 @@ void drapeChain( Elasticity elasticity )
 		link < 0 ? chain.setBaseCollider( collider ) : void( chain.getLink( link ).m_collider = collider );
 	}
 	stage.run( 420 );
-	EXPECT_NEAR( colliders[2]->getWorldTransform().getOrigin().y(), 1.06, 0.04 );
+	EXPECT_NEAR( colliders[2]->getWorldTransform().getOrigin().y(), 1.06, 0.06 ); // one of the two is tilted
 	EXPECT_NEAR( colliders[3]->getWorldTransform().getOrigin().y(), 1.06, 0.06 );
 	for ( const auto& collider : colliders )
 	{
