@@ -284,6 +284,10 @@ inline constexpr float kMostPoseDamping = 10.0f;
 /// Smallest inertia of a frame's patch about any axis, as a fraction of the largest: nodes on a line define no rotation.
 inline constexpr double kLeastFrameInertia = 1e-3;
 
+/// Largest radius of a frame's patch, times the distance from its middle to the body's farthest node: more takes in no more nodes, but
+/// makes the frame's sphere larger than Bullet's broadphase takes.
+inline constexpr double kFarthestOfFrame = 2.0;
+
 /// Smallest mobility that Bullet's solver sees, 1/kg and 1/(kg m^2): where all nodes of the patch are held.
 inline constexpr double kLeastFrameMobility = 1e-6;
 
