@@ -207,6 +207,7 @@ inline constexpr double kMostScale = 1e-2;
 /// Margin around a contact within which its triangle is sought, as a fraction of the mesh's box: rounding error.
 inline constexpr btScalar kTriangleMargin = btScalar( 1e-5 );
 /// A node is driven in one step by at most this many sizes of its body: beyond that the rest of the body would be stretched to a thread.
+/// Points of attachments are no further from it.
 inline constexpr double kFarthestDrive = 100.0;
 /// Bodies are placed no farther from the origin than this along any axis, m: a float's last bit is 64 m there.
 inline constexpr btScalar kFarthestPosition = btScalar( 1e9 );

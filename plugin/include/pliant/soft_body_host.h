@@ -161,7 +161,7 @@ public:
 	Result<int> attach( SoftBody& body, int node, btCollisionObject& to, const AttachmentSettings& settings = {} );
 	/// The same for a world position, m, in or near the body: it moves with the nearest node and its neighbours. On bodies with levels it
 	/// is the node's centre that is held. BadArgument also for a bad number, and where the position is further from the body than a hundred
-	/// times its size or 833 m.
+	/// times its size.
 	Result<int> attach( SoftBody& body, const btVector3& position, btCollisionObject& to, const AttachmentSettings& settings = {} );
 	/// Attaches two soft bodies at a world position, m, of both. BadArgument also for one body twice.
 	Result<int> attach( SoftBody& body, SoftBody& to, const btVector3& position, const AttachmentSettings& settings = {} );

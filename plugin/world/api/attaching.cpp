@@ -3,6 +3,7 @@
 #include "lattice/features.h"
 #include "pliant/soft_body_host.h"
 #include "world/bodies/placing.h"
+#include "world/constants.h"
 #include "world/step/world_step.h"
 
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
@@ -35,7 +36,10 @@ Status checkAttachment( const char* call, const SoftBodySystem& bodies, const So
 Status checkPoint( const SoftBody& body, const btVector3& position )
 {
 	Status status = checkVector( position, "attach", "the position" );
-	const bool isNear = ( toVec3d( position ) - toVec3d( body.massCentre() ) ).norm() <= body.impl().farthestDrive();
+	btVector3 low, high;
+	body.impl().shape->getAabb( btTransform::getIdentity(), low, high );
+	const double most = kFarthestDrive * double( ( high - low ).length() );
+	const bool isNear = ( toVec3d( position ) - toVec3d( body.massCentre() ) ).norm() <= most;
 	return !status.ok() || isNear ? status : refused( "attach", "the position is more than 100 times the body's size away from it." );
 }
 
