@@ -82,6 +82,10 @@ Status check( const Fracture& fracture )
 	{
 		return refuse( "Fracture::smallCells must lie in 0 to 1 000 000." );
 	}
+	if ( fracture.smallPieces < SmallPieces::Keep || fracture.smallPieces > SmallPieces::Remove )
+	{
+		return refuse( "Fracture::smallPieces must be one of SmallPieces." );
+	}
 	if ( !( fracture.fadeTime > 0.0f ) || !within( fracture.fadeTime, 0.0f, kLongestFade ) )
 	{
 		return refuse( "Fracture::fadeTime must be above 0 and at most 3600 s." );

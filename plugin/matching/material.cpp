@@ -22,6 +22,35 @@ Status refuse( const char* sentence )
 	return Status{ ResultCode::BadMaterial, sentence };
 }
 
+/// False for a number that is none of an enumeration's, as a file or another language may give.
+template <class Choice>
+bool isChoice( Choice value, Choice last )
+{
+	return int( value ) >= 0 && int( value ) <= int( last );
+}
+
+Status checkChoices( const Material& material )
+{
+	const struct
+	{
+		bool isSound;
+		const char* sentence;
+	} choices[] = { { isChoice( material.stiffness, Stiffness::RawAlpha ), "Material::stiffness is none of Stiffness's values." },
+		{ isChoice( material.elasticity, Elasticity::Automatic ), "Material::elasticity is none of Elasticity's values." },
+		{ isChoice( material.method, Method::Clusters ), "Material::method is none of Method's values." },
+		{ isChoice( material.clusterMode, ClusterMode::Quadratic ), "Material::clusterMode is none of ClusterMode's values." },
+		{ isChoice( material.weights, Weights::Literal ), "Material::weights is none of Weights' values." },
+		{ isChoice( material.rotationFrom, RotationFrom::F ), "Material::rotationFrom is none of RotationFrom's values." } };
+	for ( const auto& [isSound, sentence] : choices )
+	{
+		if ( !isSound )
+		{
+			return refuse( sentence );
+		}
+	}
+	return {};
+}
+
 Status checkFlow( const Material& material )
 {
 	if ( !within( material.yieldStrain, 0.0f, kLargestYieldStrain ) )
@@ -116,9 +145,10 @@ Status checkBuild( const Material& material )
 
 Status check( const Material& material )
 {
-	if ( Status status = checkBuild( material ); !status.ok() )
+	Status choices = checkChoices( material );
+	if ( choices = choices.ok() ? checkBuild( material ) : choices; !choices.ok() )
 	{
-		return status;
+		return choices;
 	}
 	if ( !( material.density > 0.0f ) || !within( material.density, 0.0f, kLargestDensity ) )
 	{
@@ -179,16 +209,26 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 {
 	assert( cellSize > 0.0f && gameStep > 0.0f && substeps >= 1 );
 	StiffnessPlan plan;
-	const double h = double( gameStep ) / std::max( substeps, 1 );
+	plan.reachable = cellSize > 0.0f && gameStep > 0.0f && substeps >= 1;
+	if ( !plan.reachable )
+	{
+		return plan;
+	}
+	const double h = double( gameStep ) / substeps;
 
 	// A lattice of regions with alpha at step h is an elastic solid of modulus E = alpha rho d^2 mu f / h^2 (stiffness.h), with mu = w ( w
 	// + 1 ) / 3; the modulus per unit of alpha is therefore:
 	const double modulusPerAlpha = material.density * double( cellSize ) * cellSize * modulusMoment( material ) / ( h * h );
+	plan.reachable = modulusPerAlpha > 0.0 && std::isfinite( modulusPerAlpha ) && material.youngsModulus > 0.0f;
+	if ( !plan.reachable )
+	{
+		return plan;
+	}
 	if ( material.stiffness == Stiffness::RawAlpha || material.method == Method::SingleCluster )
 	{
 		plan.alpha = material.alpha;
 		plan.reachedModulus = float( modulusPerAlpha * material.alpha );
-		plan.substepsNeeded = std::max( substeps, 1 );
+		plan.substepsNeeded = substeps;
 		return plan;
 	}
 
@@ -209,7 +249,7 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 	// alpha falls with the square of the substep: n substeps reach E when alpha( 1 substep ) <= n^2 times the largest, with far levels.
 	const double largestReach = largest + farMoment( farFractions( material.farLevels, kMostReach ) ) / modulusMoment( material );
 	plan.reachable = alpha <= largestReach * ( 1.0 + kAlphaSlack );
-	const double needed = std::ceil( std::sqrt( alpha / largestReach ) * std::max( substeps, 1 ) - kAlphaSlack );
+	const double needed = std::ceil( std::sqrt( alpha / largestReach ) * substeps - kAlphaSlack );
 	plan.substepsNeeded = int( std::clamp( needed, 1.0, double( kMostSubstepsNamed ) ) );
 	return plan;
 }

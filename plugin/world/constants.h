@@ -207,6 +207,7 @@ inline constexpr double kMostScale = 1e-2;
 /// Margin around a contact within which its triangle is sought, as a fraction of the mesh's box: rounding error.
 inline constexpr btScalar kTriangleMargin = btScalar( 1e-5 );
 /// A node is driven in one step by at most this many sizes of its body: beyond that the rest of the body would be stretched to a thread.
+/// Points of attachments are no further from it.
 inline constexpr double kFarthestDrive = 100.0;
 /// Bodies are placed no farther from the origin than this along any axis, m: a float's last bit is 64 m there.
 inline constexpr btScalar kFarthestPosition = btScalar( 1e9 );
@@ -285,6 +286,10 @@ inline constexpr float kMostPoseDamping = 10.0f;
 
 /// Smallest inertia of a frame's patch about any axis, as a fraction of the largest: nodes on a line define no rotation.
 inline constexpr double kLeastFrameInertia = 1e-3;
+
+/// Largest radius of a frame's patch, times the distance from its middle to the body's farthest node: more takes in no more nodes, but
+/// makes the frame's sphere larger than Bullet's broadphase takes.
+inline constexpr double kFarthestOfFrame = 2.0;
 
 /// Smallest mobility that Bullet's solver sees, 1/kg and 1/(kg m^2): where all nodes of the patch are held.
 inline constexpr double kLeastFrameMobility = 1e-6;

@@ -141,6 +141,13 @@ TEST( House, HasOneVersion )
 	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
 }
 
+TEST( House, EveryPublicCallHasATestOfItsMisuse )
+{
+	EXPECT_GT( publicCalls( ours() ).size(), 100u );
+	const Complaints complaints = checkMisuse( ours() );
+	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
+}
+
 // --- broken houses ------------------------------------------------------------------------------------------------------
 
 struct Breach
@@ -309,6 +316,32 @@ TEST_F( SmallHouse, ConstantsOfOneNameAreSeen )
 	EXPECT_TRUE( checkConstants( tree() ).empty() ) << listOf( checkConstants( tree() ) );
 	put( "plugin/world/b.h", "inline constexpr int kLanes = 4;\n" );
 	EXPECT_EQ( checkConstants( tree() ).size(), 1u );
+}
+
+TEST_F( SmallHouse, CallsWithoutATestOfTheirMisuseAreSeen )
+{
+	put( "plugin/include/pliant/a.h",
+		"/// f( 1 ) is no call.\nnamespace pliant {\nstruct Settings\n{\n\tint a = int( 1 );\n\tfloat ( *paint )( int ) = nullptr;\n};\n"
+		"class PLIANT_API Body\n{\npublic:\n\tBody( const Body& ) = delete;\n\tvirtual ~Body();\n\tint count() const;\n"
+		"\tvoid setOn( bool isOn );\n\t/// @cond INTERNAL\n\tvoid internal( int );\n\t/// @endcond\nprotected:\n\tvoid own( int );\n"
+		"private:\n\tint m_a = int( 2 );\n};\n}\n" );
+	EXPECT_TRUE( publicCalls( tree() ).empty() );
+	const std::map<std::string, int> calls = { { "Body::Body", 1 }, { "Body::push", 2 }, { "Box::Corner::move", 1 }, { "check", 1 } };
+	put( "plugin/include/pliant/game/b.h",
+		"namespace pliant {\nclass PLIANT_API Body : public Base\n{\npublic:\n\texplicit Body( int size = int( 1 ) ) : m_size( size ) {}\n"
+		"\t[[nodiscard]] Status push( const Vector& force,\n\t\tint node = 0 ); ///< N\n\tvoid push( const Settings& settings = {} );\n};\n"
+		"template <class T>\nstruct [[nodiscard]] Box\n{\n\tstruct Corner\n\t{\n\t\ttemplate <class A>\n\t\tauto move( A* by ) -> "
+		"decltype( by->f() )\n"
+		"\t\t{\n\t\t\tg( by );\n\t\t}\n\t};\n};\nPLIANT_API Status check( const Settings& settings );\n}\n" );
+	EXPECT_EQ( publicCalls( tree() ), calls );
+	EXPECT_EQ( checkMisuse( tree() ).size(), 4u );
+	put( "tests/a_misuse_test.cpp",
+		"{ \"Body::Body\", Body( -1 ) }, { \"Body::push\", push( nan ), \"x\" }, { \"Box::Corner::move\", move( 0 ) }" );
+	put( "tests/b_misuse_test.cpp", "{ \"check\", nothing( -1 ) }, { \"Body::push\", push( 1, -1 ) }" );
+	put( "tests/c_test.cpp", "{ \"check\", check( bad ) }" );
+	const Complaints complaints = checkMisuse( tree() );
+	ASSERT_EQ( complaints.size(), 1u ) << listOf( complaints );
+	EXPECT_TRUE( complaints[0].starts_with( "check: " ) ) << complaints[0];
 }
 
 TEST_F( SmallHouse, TopLevelIsSeen )

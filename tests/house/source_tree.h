@@ -73,6 +73,12 @@ Complaints checkShape( const SourceTree& tree );
 /// No two headers of the plugin have a constant of one name: they are one object to the linker, of either value.
 Complaints checkConstants( const SourceTree& tree );
 
+/// The calls of the public headers that take an argument other than a bool: the number of overloads by qualified name.
+std::map<std::string, int> publicCalls( const SourceTree& tree );
+
+/// Each of them has a test of its misuse.
+Complaints checkMisuse( const SourceTree& tree );
+
 /// Nothing at the top level but what belongs there.
 Complaints checkTopLevel( const std::filesystem::path& root );
 

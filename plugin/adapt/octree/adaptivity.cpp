@@ -55,6 +55,13 @@ Status check( const Adaptivity& settings )
 	{
 		return refuse( "Adaptivity: keepMass must be above 0." );
 	}
+	const bool areChoices = settings.regions >= RegionRule::Multiplicity && settings.regions <= RegionRule::Interval &&
+		settings.softening >= Softening::None && settings.softening <= Softening::EnergyTensor && settings.residual >= ResidualRule::Keep &&
+		settings.residual <= ResidualRule::Larger;
+	if ( !areChoices )
+	{
+		return refuse( "Adaptivity: regions, softening and residual must be values of RegionRule, Softening and ResidualRule." );
+	}
 	if ( !( isWithin( settings.coarseStiffness, 0.0f, 1.0f ) && settings.coarseStiffness > 0.0f ) )
 	{
 		return refuse( "Adaptivity: coarseStiffness must be above 0 and at most 1." );

@@ -162,7 +162,8 @@ struct StiffnessPlan
 
 /// Computes alpha = 3 E h^2 / ( rho d^2 w ( w + 1 ) ), limited to 1; far levels contribute the rest (docs/design/step.md). h: one substep,
 /// s; d: `cellSize`, m. For clusters of edge e, ( e^2 - 1 ) / 4 replaces w ( w + 1 ). `gameStep`: s; `substeps`: per game step. The
-/// material must pass `check`, cellSize and gameStep be above 0 and substeps at least 1: an assertion.
+/// material must pass `check`, cellSize and gameStep be above 0 and substeps at least 1: an assertion; without assertions a plan that is
+/// not reachable.
 [[nodiscard]] PLIANT_API StiffnessPlan planStiffness( const Material& material, float cellSize, float gameStep, int substeps );
 
 } // namespace pliant

@@ -275,8 +275,8 @@ public:
 	/// Sets the largest error of a reused skin, in finest cells. Where all nodes have moved as one rigid body since the last full skinning,
 	/// up to this error, that skin is transformed rigidly; where they have not moved, the view and SurfaceView::frame stay the same. Errors
 	/// do not accumulate: they are measured from the last full skinning. 0: every motion is skinned in full. Default 0.01; a negative value
-	/// or NaN counts as 0. Pieces inherit the setting. No effect without a skin, and on bodies of 1 024 or more nodes with fewer than four
-	/// vertices per node.
+	/// or a bad number counts as 0. Pieces inherit the setting. No effect without a skin, and on bodies of 1 024 or more nodes with fewer
+	/// than four vertices per node.
 	void setSurfaceTolerance( btScalar cells );
 	/// The error last set, cells; 0 and above.
 	[[nodiscard]] btScalar surfaceTolerance() const;

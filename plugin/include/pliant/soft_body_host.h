@@ -94,7 +94,8 @@ public:
 /// @endcond
 
 /// What games call of a world with soft bodies, beyond Bullet's own calls: SoftBodyWorld and SoftBodyWorldOver derive from it. Callable
-/// from one thread at a time. Fragments of the world (FractureEvent) are deleted with it, other bodies are not.
+/// from one thread at a time. Fragments of the world (FractureEvent) are deleted with it, other bodies are not. "Not during a step" means
+/// not out of contact callbacks and force fields; actions and tick callbacks run between steps.
 class PLIANT_API SoftBodyHost
 {
 public:
@@ -142,10 +143,10 @@ public:
 	[[nodiscard]] int maxSoftSubsteps() const;
 
 	/// Makes the world's own pool of that many threads, the calling one included; clamped to 1 to 64, default 1. Out of memory: the present
-	/// pool stays. Not during a step.
+	/// pool stays. Not during a step: ignored then.
 	void setThreadCount( int count );
 	/// Sets a task runner of the game to be used instead of the own pool; null (the default): the own pool. Not owned: it must outlive its
-	/// use. Not during a step.
+	/// use. Not during a step: ignored then.
 	void setTaskRunner( TaskRunner* runner );
 	/// Number of tasks that can run at the same time, by the game's runner or by the own pool: at least 1.
 	[[nodiscard]] int threadCount() const;
@@ -159,12 +160,13 @@ public:
 	/// node that is not there, for bodies that are not in this world, and in a build without Feature::Implicit; BadSettings for `settings`.
 	Result<int> attach( SoftBody& body, int node, btCollisionObject& to, const AttachmentSettings& settings = {} );
 	/// The same for a world position, m, in or near the body: it moves with the nearest node and its neighbours. On bodies with levels it
-	/// is the node's centre that is held.
+	/// is the node's centre that is held. BadArgument also for a bad number, and where the position is further from the body than a hundred
+	/// times its size.
 	Result<int> attach( SoftBody& body, const btVector3& position, btCollisionObject& to, const AttachmentSettings& settings = {} );
-	/// Attaches two soft bodies at a world position, m, of both.
+	/// Attaches two soft bodies at a world position, m, of both. BadArgument also for one body twice.
 	Result<int> attach( SoftBody& body, SoftBody& to, const btVector3& position, const AttachmentSettings& settings = {} );
 	/// Attaches each node of `body` within `distance`, m, of a node of `to` half-way between the two: faces that touch become one. Returns
-	/// the number of attachments.
+	/// the number of attachments. Errors: as for attach; BadArgument also for a distance that is negative or a bad number.
 	Result<int> weld( SoftBody& body, SoftBody& to, btScalar distance, const AttachmentSettings& settings = {} );
 	/// Removes an attachment; false for an id that is not there.
 	bool detach( int id );
@@ -185,18 +187,18 @@ public:
 	/// Number of force fields in the world.
 	[[nodiscard]] int forceFieldCount() const;
 	/// Pushes soft and rigid bodies away from a point, by the area that faces it; rigid bodies are not turned. Wakes what it pushes.
-	/// Returns the number of bodies. Not during a step. BadSettings for a setting out of range; BadArgument where a node would be faster
-	/// than 1e5 m/s.
+	/// Returns the number of bodies. BadSettings for a setting out of range; BadArgument where a node or a rigid body would be faster than
+	/// 1e5 m/s, and during a step.
 	Result<int> explode( const Explosion& explosion );
 
 	/// Moves the world's origin: `by`, m, is added to the coordinates of everything in the world; nothing wakes, and the next steps go on
 	/// as before. Moved with it: soft and rigid bodies, ghosts, multibodies, motion states, contacts, pins, and joints with one body, whose
-	/// frame is in the world. Exact for soft bodies by multiples of 1/16 m. Not during a step. Not moved: what the game keeps, actions and
-	/// force fields among it. BadArgument for a bad number, where something would be further out than 1e9 m, and in a world with
-	/// Bullet's own soft bodies.
+	/// frame is in the world. Exact for soft bodies by multiples of 1/16 m. Not moved: what the game keeps, actions and force fields among
+	/// it. BadArgument for a bad number, where something would be further out than 1e9 m, in a world with Bullet's own soft bodies, and
+	/// during a step.
 	Status shiftOrigin( const btVector3& by );
 
-	/// What debugDrawWorld draws of soft bodies.
+	/// What debugDrawWorld draws of soft bodies. Bad numbers count as the default ones.
 	void setDebugDrawing( const DebugDrawing& what );
 	/// The setting.
 	[[nodiscard]] const DebugDrawing& debugDrawing() const;
@@ -210,7 +212,7 @@ public:
 	/// three or lie on a line.
 	Result<btRigidBody*> addFrame( SoftBody& body, const btVector3& position, btScalar radius );
 	/// Takes a frame and all joints at it out of the world and deletes the frame, but not the joints; false for what is no frame of this
-	/// world. Not during a step.
+	/// world, and during a step.
 	bool removeFrame( const btRigidBody* frame );
 	/// The soft body that a frame moves with; null where that is gone, and for what is no frame.
 	[[nodiscard]] SoftBody* frameOwner( const btRigidBody* frame ) const;

@@ -63,7 +63,8 @@ public:
 	}
 
 	/// As Bullet's. While a soft body is in the world a time step that is negative with maxSubSteps 0, NaN or infinite, and a fixedTimeStep
-	/// that is no positive number, do nothing and return 0; a single step (timeStep with maxSubSteps 0, else fixedTimeStep) is cut to 1 s.
+	/// that is no positive number, and a call out of a contact callback, do nothing and return 0; a single step (timeStep with maxSubSteps
+	/// 0, else fixedTimeStep) is cut to 1 s.
 	int stepSimulation( btScalar timeStep, int maxSubSteps = 1, btScalar fixedTimeStep = btScalar( 1. ) / btScalar( 60. ) ) override
 	{
 		return beginTick( timeStep, maxSubSteps, fixedTimeStep ) ? Base::stepSimulation( timeStep, maxSubSteps, fixedTimeStep ) : 0;

@@ -9,11 +9,12 @@ namespace pliant {
 
 Status interpolateAttribute( const VertexSourceView& vertices, const float* input, int components, const float* inside, float* out )
 {
-	if ( !input || !out || components < 1 )
+	if ( !input || !out || components < 1 || vertices.vertexCount < 0 )
 	{
-		return { ResultCode::BadArgument, "interpolateAttribute: the arrays must not be null and components must be at least 1." };
+		return { ResultCode::BadArgument,
+			"interpolateAttribute: the arrays must not be null, components at least 1, and the number of vertices not negative." };
 	}
-	const std::size_t width = std::size_t( components ), count = std::size_t( std::max( 0, vertices.vertexCount ) );
+	const std::size_t width = std::size_t( components ), count = std::size_t( vertices.vertexCount );
 	if ( !vertices.sources )
 	{
 		std::copy_n( input, width * count, out );

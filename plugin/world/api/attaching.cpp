@@ -3,6 +3,7 @@
 #include "lattice/features.h"
 #include "pliant/soft_body_host.h"
 #include "world/bodies/placing.h"
+#include "world/constants.h"
 #include "world/step/world_step.h"
 
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
@@ -13,7 +14,7 @@ namespace pliant {
 
 namespace {
 
-Status checkAttachment( const SoftBodySystem& bodies, const SoftBody& body, const AttachmentSettings& settings )
+Status checkAttachment( const char* call, const SoftBodySystem& bodies, const SoftBody& body, const AttachmentSettings& settings )
 {
 	if ( Status status = requireFeature( Feature::Implicit ); !status.ok() )
 	{
@@ -21,13 +22,25 @@ Status checkAttachment( const SoftBodySystem& bodies, const SoftBody& body, cons
 	}
 	if ( body.impl().system != &bodies )
 	{
-		return refused( "attach", "the soft body is not in this world." );
+		return refused( call, "the soft body is not in this world." );
 	}
 	if ( !std::isfinite( settings.compliance ) || settings.compliance < 0 || !( settings.breakingForce > 0 ) )
 	{
-		return Status{ ResultCode::BadSettings, "attach: the compliance must be finite and not negative, and the breaking force above 0." };
+		return Status{ ResultCode::BadSettings,
+			std::string( call ) + ": the compliance must be finite and not negative, and the breaking force above 0." };
 	}
 	return {};
+}
+
+/// A point that a body's nodes can hold.
+Status checkPoint( const SoftBody& body, const btVector3& position )
+{
+	Status status = checkVector( position, "attach", "the position" );
+	btVector3 low, high;
+	body.impl().shape->getAabb( btTransform::getIdentity(), low, high );
+	const double most = kFarthestDrive * double( ( high - low ).length() );
+	const bool isNear = ( toVec3d( position ) - toVec3d( body.massCentre() ) ).norm() <= most;
+	return !status.ok() || isNear ? status : refused( "attach", "the position is more than 100 times the body's size away from it." );
 }
 
 Status checkRigid( const SoftBodySystem& bodies, const btCollisionObject& object )
@@ -44,7 +57,7 @@ Status checkRigid( const SoftBodySystem& bodies, const btCollisionObject& object
 Result<int> attachTo(
 	SoftBodySystem& bodies, SoftBody& body, int node, const Vec3d& at, btCollisionObject& to, const AttachmentSettings& settings )
 {
-	Status status = checkAttachment( bodies, body, settings );
+	Status status = checkAttachment( "attach", bodies, body, settings );
 	status = status.ok() ? checkRigid( bodies, to ) : status;
 	if ( !status.ok() )
 	{
@@ -68,7 +81,7 @@ Result<int> SoftBodyHost::attach( SoftBody& body, int node, btCollisionObject& t
 
 Result<int> SoftBodyHost::attach( SoftBody& body, const btVector3& position, btCollisionObject& to, const AttachmentSettings& settings )
 {
-	if ( const Status status = checkVector( position, "attach", "position" ); !status.ok() )
+	if ( const Status status = checkPoint( body, position ); !status.ok() )
 	{
 		return Result<int>::failure( status.code, status.sentence );
 	}
@@ -78,9 +91,10 @@ Result<int> SoftBodyHost::attach( SoftBody& body, const btVector3& position, btC
 
 Result<int> SoftBodyHost::attach( SoftBody& body, SoftBody& to, const btVector3& position, const AttachmentSettings& settings )
 {
-	Status status = checkVector( position, "attach", "position" );
-	status = status.ok() ? checkAttachment( m_step->bodies, body, settings ) : status;
-	status = status.ok() ? checkAttachment( m_step->bodies, to, settings ) : status;
+	Status status = checkPoint( body, position );
+	status = status.ok() ? checkPoint( to, position ) : status;
+	status = status.ok() ? checkAttachment( "attach", m_step->bodies, body, settings ) : status;
+	status = status.ok() ? checkAttachment( "attach", m_step->bodies, to, settings ) : status;
 	status = status.ok() && &body == &to ? refused( "attach", "a body cannot be attached to itself." ) : status;
 	if ( !status.ok() )
 	{
@@ -94,9 +108,10 @@ Result<int> SoftBodyHost::attach( SoftBody& body, SoftBody& to, const btVector3&
 
 Result<int> SoftBodyHost::weld( SoftBody& body, SoftBody& to, btScalar distance, const AttachmentSettings& settings )
 {
-	Status status = checkAttachment( m_step->bodies, body, settings );
-	status = status.ok() ? checkAttachment( m_step->bodies, to, settings ) : status;
-	status = status.ok() && ( &body == &to || !( distance >= 0 ) ) ? refused( "weld", "it needs two bodies and a distance." ) : status;
+	Status status = checkAttachment( "weld", m_step->bodies, body, settings );
+	status = status.ok() ? checkAttachment( "weld", m_step->bodies, to, settings ) : status;
+	const bool isDistance = std::isfinite( distance ) && distance >= 0;
+	status = status.ok() && ( &body == &to || !isDistance ) ? refused( "weld", "it needs two bodies and a distance." ) : status;
 	if ( !status.ok() )
 	{
 		return Result<int>::failure( status.code, status.sentence );
@@ -145,7 +160,7 @@ Result<btRigidBody*> SoftBodyHost::addFrame( SoftBody& body, const btVector3& po
 
 bool SoftBodyHost::removeFrame( const btRigidBody* frame )
 {
-	return frame && m_step->bodies.frames.remove( m_step->world(), *frame );
+	return frame && !m_step->bodies.areStagesRunning && m_step->bodies.frames.remove( m_step->world(), *frame );
 }
 
 SoftBody* SoftBodyHost::frameOwner( const btRigidBody* frame ) const

@@ -61,7 +61,7 @@ btVector3 colourOf( double stretch )
 void drawLinks( const SoftBody::Impl& impl, const btVector3& colour, btIDebugDraw& drawer, const DebugDrawing& what )
 {
 	const NodeState& nodes = impl.body->nodes();
-	const double full = double( what.fullStrain > 0 ? what.fullStrain : DebugDrawing{}.fullStrain );
+	const double full = double( what.fullStrain );
 	forLinks( impl, [&]( std::uint32_t i, std::uint32_t j ) {
 		const int a = nodeOf( impl, i ), b = nodeOf( impl, j );
 		const bool isDrawn = ( what.surfaceLinks || what.strain ) && isAtSurface( impl.body->lattice(), i, j );

@@ -12,6 +12,12 @@ class CellComplex;
 /// Draws the cracks of a body from its own links, along the cuts that it has had.
 void showOwnCracks( const SoftBody::Impl& impl, const std::shared_ptr<const CellComplex>& complex, const float* texture, CrackView& view );
 
+/// The version of the cracks that a game sees, also across a restored state: no two shapes of a body have the same.
+inline unsigned shownVersion( const SoftBody::Impl& impl )
+{
+	return impl.fractureVersion + impl.versionShift;
+}
+
 /// A mesh as it is drawn now.
 struct DrawnMesh
 {

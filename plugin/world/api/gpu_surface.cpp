@@ -62,7 +62,7 @@ namespace {
 /// Brings the tables up to date with cracks and levels.
 void updateTables( const SoftBody::Impl& impl, const DrawnMesh& mesh, GpuSkin& gpu )
 {
-	const bool isNew = !gpu.isShown || gpu.fractureVersion != impl.fractureVersion;
+	const bool isNew = !gpu.isShown || gpu.fractureVersion != shownVersion( impl );
 	if ( isNew && mesh.whole )
 	{
 		gpu.tables.showWhole( mesh.whole, mesh.triangles );
@@ -86,7 +86,7 @@ void updateTables( const SoftBody::Impl& impl, const DrawnMesh& mesh, GpuSkin& g
 		gpu.offsetVersion = fade.offsetVersion();
 	}
 	gpu.binding = &mesh.binding;
-	gpu.fractureVersion = impl.fractureVersion;
+	gpu.fractureVersion = shownVersion( impl );
 	gpu.isShown = true;
 }
 
@@ -120,7 +120,7 @@ GpuSurfaceView gpuView( const SoftBody::Impl& impl, const DrawnMesh& mesh, GpuSk
 	view.offsets = gpu.tables.offsets();
 	view.textureCoordinates = mesh.texture;
 	view.triangleSource = mesh.sources;
-	view.topologyVersion = impl.fractureVersion;
+	view.topologyVersion = shownVersion( impl );
 	return view;
 }
 

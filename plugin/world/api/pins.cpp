@@ -20,7 +20,7 @@ Status SoftBody::pin( const PinRequest& request )
 {
 	if ( !m_impl->hasNode( request.node ) )
 	{
-		return Status{ ResultCode::BadArgument, "There is no node of this number." };
+		return refused( "pinNode", "there is no node of this number." ); // the others have looked
 	}
 	Impl& impl = *m_impl;
 	Pin* pin = impl.findPin( request.node );
@@ -39,6 +39,7 @@ Status SoftBody::pin( const PinRequest& request )
 	pin->hasTarget = pin->kind == PinKind::Driven;
 	impl.body->setPinned( request.node, true );
 	impl.body->nodes().v.set( request.node, Vec3::Zero() );
+	impl.system ? impl.system->equationsChanged( *this ) : void();
 	activate( true );
 	return {};
 }
@@ -105,6 +106,7 @@ void SoftBody::releaseNode( int node )
 	{
 		impl.pins.erase( impl.pins.begin() + ( found - impl.pins.data() ) );
 		impl.body->setPinned( node, false );
+		impl.system ? impl.system->equationsChanged( *this ) : void();
 		activate( true );
 	}
 }
@@ -112,7 +114,7 @@ void SoftBody::releaseNode( int node )
 int SoftBody::pinNodesInside( const btVector3& low, const btVector3& high )
 {
 	int count = 0;
-	for ( int i = 0; i < nodeCount(); ++i )
+	for ( int i = 0; i < nodeCount() && isFinite( low ) && isFinite( high ); ++i )
 	{
 		const btVector3 p = nodePosition( i );
 		const bool isInside = p.x() >= low.x() && p.y() >= low.y() && p.z() >= low.z() && p.x() <= high.x() && p.y() <= high.y() &&

@@ -131,7 +131,9 @@ struct RenderSkin::Impl
 	std::shared_ptr<const RenderMesh> mesh;
 	CrackView cracks;
 	bool isShown = false, isCracked = false, areSourcesKnown = false;
-	unsigned fractureVersion = 0; ///< of the body, as it is drawn
+	unsigned fractureVersion = 0;    ///< of the body, as it is drawn
+	const SoftBody* shown = nullptr; ///< compared only: it may be gone
+	int cellCount = 0;               ///< of that body
 	std::vector<float> positions[2], normals[2];
 	btVector3 origin = btVector3( 0, 0, 0 );
 	int current = 0;
@@ -156,10 +158,13 @@ struct RenderSkin::Impl
 		{
 			return false;
 		}
-		if ( isShown && fractureVersion == impl.fractureVersion )
+		const bool isSame = shown == &body && cellCount == body.cellCount();
+		if ( isShown && isSame && fractureVersion == shownVersion( impl ) )
 		{
 			return true;
 		}
+		gpu.isShown = gpu.isShown && isSame;
+		gpu.mapVersion = isSame ? gpu.mapVersion : 0;
 		isCracked = !impl.body->firstCells().empty();
 		const std::shared_ptr<const CellComplex> complex = isCracked ? mesh->data().crackComplex() : nullptr;
 		if ( isCracked && !complex )
@@ -172,7 +177,9 @@ struct RenderSkin::Impl
 			showOwnCracks( impl, complex, mesh->data().texture(), cracks );
 		}
 		isShown = true;
-		fractureVersion = impl.fractureVersion;
+		shown = &body;
+		cellCount = body.cellCount();
+		fractureVersion = shownVersion( impl );
 		areSourcesKnown = false;
 		mapVersion = 0;
 		return true;

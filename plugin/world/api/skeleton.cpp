@@ -2,6 +2,7 @@
 
 #include "pliant/game/skeleton.h"
 #include "world/bodies/placing.h"
+#include "world/constants.h"
 #include "world/joints/pose_follower.h"
 
 #include <algorithm>
@@ -86,8 +87,15 @@ void follow( SoftBody& body, PoseModel model )
 	impl.body->pull().clear();
 }
 
-Status give( SoftBody& body, std::vector<Vec3d> targets, bool jumps )
+Status give( const char* call, SoftBody& body, std::vector<Vec3d> targets, bool jumps )
 {
+	for ( const Vec3d& target : targets )
+	{
+		if ( !( target.cwiseAbs().maxCoeff() <= double( kFarthestPosition ) ) )
+		{
+			return refused( call, "a cell would be further out than 1e9 m." );
+		}
+	}
 	PoseFollower& follower = *body.impl().follower;
 	const bool isNew = !follower.hasPose || targets != follower.target;
 	follower.setTargets( std::move( targets ), jumps );
@@ -191,7 +199,7 @@ Status setPose( SoftBody& body, const btTransform* bones, int count, bool jumps 
 			}
 		}
 	}
-	return give( body, std::move( targets ), jumps );
+	return give( "setPose", body, std::move( targets ), jumps );
 }
 
 Status setTargets( SoftBody& body, const btVector3* positions, int count, bool jumps )
@@ -214,7 +222,7 @@ Status setTargets( SoftBody& body, const btVector3* positions, int count, bool j
 		}
 		targets.push_back( toVec3d( positions[cell] ) );
 	}
-	return give( body, std::move( targets ), jumps );
+	return give( "setTargets", body, std::move( targets ), jumps );
 }
 
 btVector3 poseTarget( const SoftBody& body, int cell )

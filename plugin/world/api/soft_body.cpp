@@ -206,6 +206,7 @@ Status SoftBody::setMaterial( const Material& material )
 		m_impl->mass = m_impl->body->sums().mass;
 		m_impl->skin.rigid.forget(); // other regions carry the skin otherwise
 		m_impl->mustDeform = true;
+		m_impl->system ? m_impl->system->equationsChanged( *this ) : void();
 		m_impl->wakeTouching( *this );
 		activate( true );
 	}

@@ -5,6 +5,7 @@
 #include "world/step/world_step.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
@@ -80,6 +81,10 @@ int SoftBodyHost::maxSoftSubsteps() const
 
 void SoftBodyHost::setThreadCount( int count )
 {
+	if ( m_step->bodies.areStagesRunning )
+	{
+		return;
+	}
 	if ( std::unique_ptr<TaskRunner> made = createThreadPool( count ) )
 	{
 		m_step->bodies.ownRunner = std::move( made );
@@ -88,12 +93,12 @@ void SoftBodyHost::setThreadCount( int count )
 
 void SoftBodyHost::setTaskRunner( TaskRunner* runner )
 {
-	m_step->bodies.runner = runner;
+	m_step->bodies.runner = m_step->bodies.areStagesRunning ? m_step->bodies.runner : runner;
 }
 
 int SoftBodyHost::threadCount() const
 {
-	return m_step->bodies.tasks()->threadCount();
+	return std::max( m_step->bodies.tasks()->threadCount(), 1 );
 }
 
 const StepReport& SoftBodyHost::stepReport() const
@@ -128,7 +133,12 @@ btDiscreteDynamicsWorld& SoftBodyHost::bulletWorld() const
 
 void SoftBodyHost::setDebugDrawing( const DebugDrawing& what )
 {
-	m_step->bodies.drawing = what;
+	DebugDrawing& taken = m_step->bodies.drawing;
+	const DebugDrawing usual;
+	taken = what;
+	taken.fullStrain = std::isfinite( what.fullStrain ) && what.fullStrain > 0 ? what.fullStrain : usual.fullStrain;
+	taken.metresPerNewton = std::isfinite( what.metresPerNewton ) ? what.metresPerNewton : usual.metresPerNewton;
+	taken.metresPerImpulse = std::isfinite( what.metresPerImpulse ) ? what.metresPerImpulse : usual.metresPerImpulse;
 }
 
 const DebugDrawing& SoftBodyHost::debugDrawing() const

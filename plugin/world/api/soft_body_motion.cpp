@@ -13,6 +13,7 @@ namespace pliant {
 namespace {
 
 const char* const kNoSuchNode = "there is no node of this number.";
+const char* const kNotFinite = "a number is not finite.";
 const char* const kTooFast = "a node would be faster than 1e5 m/s.";
 
 /// The acceleration that takes a node to the limit of speed within a frame, m/s^2.
@@ -23,7 +24,7 @@ Status checkAcceleration( const btVector3& acceleration, const char* call )
 {
 	if ( !isFinite( acceleration ) )
 	{
-		return refused( call, "a number is not finite." );
+		return refused( call, kNotFinite );
 	}
 	const bool isTooMuch = std::max( { btFabs( acceleration.x() ), btFabs( acceleration.y() ), btFabs( acceleration.z() ) } ) >
 		kMostAcceleration;
@@ -66,7 +67,9 @@ Status checkTransform( const btTransform& transform, const char* call )
 
 Status SoftBody::setLinearVelocity( const btVector3& velocity )
 {
-	return setVelocities( velocity, btVector3( 0, 0, 0 ) );
+	const Status status = setVelocities( velocity, btVector3( 0, 0, 0 ) );
+	const char* const why = isFinite( velocity ) ? kTooFast : kNotFinite;
+	return status.ok() ? Status{} : refused( "setLinearVelocity", why );
 }
 
 Status SoftBody::setVelocities( const btVector3& linear, const btVector3& angular )
@@ -82,7 +85,7 @@ Status SoftBody::setVelocities( const btVector3& linear, const btVector3& angula
 		if ( isTooFast( velocityOf( i ) ) )
 		{
 			return isFinite( linear ) && isFinite( angular ) ? refused( "setVelocities", kTooFast )
-															 : refused( "setVelocities", "a number is not finite." );
+															 : refused( "setVelocities", kNotFinite );
 		}
 	}
 	for ( int i = 0; i < nodes.count; ++i )
@@ -137,8 +140,7 @@ Status SoftBody::applyCentralImpulse( const btVector3& impulse )
 	{
 		if ( isTooFast( nodes.v.get( i ) + nodes.freedom[i] * change ) )
 		{
-			return isFinite( impulse ) ? refused( "applyCentralImpulse", kTooFast )
-									   : refused( "applyCentralImpulse", "a number is not finite." );
+			return isFinite( impulse ) ? refused( "applyCentralImpulse", kTooFast ) : refused( "applyCentralImpulse", kNotFinite );
 		}
 	}
 	for ( int i = 0; i < nodes.count; ++i )
@@ -160,7 +162,7 @@ Status SoftBody::applyImpulse( const btVector3& impulse, int node )
 	const Vec3 velocity = nodes.v.get( node ) + ( nodes.freedom[node] / nodes.mass[node] ) * toVec3( impulse );
 	if ( isTooFast( velocity ) )
 	{
-		return isFinite( impulse ) ? refused( "applyImpulse", kTooFast ) : refused( "applyImpulse", "a number is not finite." );
+		return isFinite( impulse ) ? refused( "applyImpulse", kTooFast ) : refused( "applyImpulse", kNotFinite );
 	}
 	nodes.v.set( node, velocity );
 	m_impl->body->followVelocities();

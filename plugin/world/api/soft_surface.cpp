@@ -8,6 +8,7 @@
 #include "world/stopwatch.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
@@ -257,7 +258,7 @@ bool SoftBody::Impl::placeDrawn( std::vector<float>& positions, std::vector<floa
 
 void SoftBody::setSurfaceTolerance( btScalar cells )
 {
-	m_impl->skin.tolerance = cells > 0 ? double( cells ) : 0.0;
+	m_impl->skin.tolerance = cells > 0 && std::isfinite( cells ) ? double( cells ) : 0.0;
 }
 
 btScalar SoftBody::surfaceTolerance() const

@@ -3,6 +3,7 @@
 #include "pliant/render/vertex_attributes.h"
 
 #include "surface/render/vertex_data.h"
+#include "world/api/drawn_mesh.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"
 
@@ -19,11 +20,11 @@ VertexData* knownSources( const SoftBody::Impl& impl )
 	}
 	impl.wantKinds();
 	VertexData& data = *impl.skin.vertexData;
-	if ( !data.areSourcesKnown || data.sourceVersion != impl.fractureVersion )
+	if ( !data.areSourcesKnown || data.sourceVersion != shownVersion( impl ) )
 	{
 		const CrackView* const cracks = impl.shownCracks();
 		data.sources = cracks ? sourcesOf( *cracks, *impl.bodyTemplate->crackComplex() ) : std::vector<VertexSource>();
-		data.sourceVersion = impl.fractureVersion;
+		data.sourceVersion = shownVersion( impl );
 		data.areSourcesKnown = true;
 	}
 	return &data;
@@ -34,11 +35,11 @@ VertexData* knownTangents( const SoftBody::Impl& impl )
 {
 	const std::shared_ptr<const std::vector<float>> input = impl.bodyTemplate->restTangents();
 	VertexData* const data = input ? knownSources( impl ) : nullptr;
-	if ( data && ( !data->areRestTangentsKnown || data->restVersion != impl.fractureVersion ) )
+	if ( data && ( !data->areRestTangentsKnown || data->restVersion != shownVersion( impl ) ) )
 	{
 		const CrackView* const cracks = impl.shownCracks();
 		data->restTangents = cracks ? crackTangents( *cracks, data->sources, input->data() ) : *input;
-		data->restVersion = impl.fractureVersion;
+		data->restVersion = shownVersion( impl );
 		data->areRestTangentsKnown = true;
 		data->areTangentsKnown = false;
 	}
@@ -55,14 +56,14 @@ VertexSourceView vertexSources( const SoftBody& body )
 	{
 		return {};
 	}
-	return { data->sources.empty() ? nullptr : data->sources.data(), int( impl.binding().restPosition.size() ), impl.fractureVersion };
+	return { data->sources.empty() ? nullptr : data->sources.data(), int( impl.binding().restPosition.size() ), shownVersion( impl ) };
 }
 
 TangentView restTangents( const SoftBody& body )
 {
 	const SoftBody::Impl& impl = body.impl();
 	const VertexData* const data = knownTangents( impl );
-	return data ? TangentView{ data->restTangents.data(), int( data->restTangents.size() / 4 ), impl.fractureVersion, 0 } : TangentView{};
+	return data ? TangentView{ data->restTangents.data(), int( data->restTangents.size() / 4 ), shownVersion( impl ), 0 } : TangentView{};
 }
 
 TangentView tangents( const SoftBody& body )

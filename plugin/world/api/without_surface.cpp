@@ -5,6 +5,8 @@
 #include "pliant/render/vertex_attributes.h"
 #include "world/bodies/soft_body_impl.h"
 
+#include <cmath>
+
 namespace pliant {
 
 SurfaceView SoftBody::surface() const
@@ -19,7 +21,7 @@ GpuSurfaceView SoftBody::gpuSurface() const
 
 void SoftBody::setSurfaceTolerance( btScalar cells )
 {
-	m_impl->skin.tolerance = cells > 0 ? double( cells ) : 0.0; // as with skins, so that it can be read back
+	m_impl->skin.tolerance = cells > 0 && std::isfinite( cells ) ? double( cells ) : 0.0; // as with skins, so that it can be read back
 }
 
 btScalar SoftBody::surfaceTolerance() const

@@ -39,7 +39,7 @@ void SoftBodySystem::testLinks( btScalar h )
 Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField& toughness, const ShardCentres& centres )
 {
 	Status status = m_impl->body->setFracture( fracture, toughness, centres );
-	m_impl->mustDeform = true;
+	m_impl->mustDeform = m_impl->mustDeform || status.ok();
 	if ( status.ok() && fracture.rule != BreakRule::Never )
 	{
 		m_impl->bodyTemplate->crackComplex(); // built now, not when the first crack opens

@@ -172,7 +172,9 @@ bool isTooFast( const Push& push )
 			}
 		}
 	}
-	return false;
+	const btRigidBody* const rigid = btRigidBody::upcast( push.object );
+	const btVector3 velocity = rigid ? rigid->getLinearVelocity() + push.impulse * rigid->getInvMass() : btVector3( 0, 0, 0 );
+	return !isFinite( velocity ) || velocity.absolute()[velocity.absolute().maxAxis()] > btScalar( kSpeedLimit );
 }
 
 void apply( const Push& push )
@@ -196,6 +198,10 @@ void apply( const Push& push )
 
 Result<int> SoftBodyHost::explode( const Explosion& explosion )
 {
+	if ( m_step->bodies.areStagesRunning )
+	{
+		return Result<int>::failure( ResultCode::BadArgument, "explode: a step is in progress." );
+	}
 	if ( const Status status = check( explosion ); !status.ok() )
 	{
 		return Result<int>::failure( status.code, status.sentence );
@@ -214,7 +220,7 @@ Result<int> SoftBodyHost::explode( const Explosion& explosion )
 						 : pushOf( *rigid, m_step->world(), explosion );
 		if ( isTooFast( push ) )
 		{
-			return Result<int>::failure( ResultCode::BadArgument, "explode: a node would be faster than 1e5 m/s." );
+			return Result<int>::failure( ResultCode::BadArgument, "explode: a node or a rigid body would be faster than 1e5 m/s." );
 		}
 		if ( !push.nodes.empty() || !push.impulse.isZero() )
 		{

@@ -100,7 +100,7 @@ void ForceFields::pushRigid()
 			continue;
 		}
 		const btVector3 force = accelerationAt( *body, body->getCenterOfMassPosition() ) / body->getInvMass();
-		if ( !force.isZero() )
+		if ( !force.isZero() && isFinite( force ) ) // what a game's field returns
 		{
 			body->applyCentralForce( force );
 			m_given.push_back( Given{ body, force } );

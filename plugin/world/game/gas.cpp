@@ -145,11 +145,12 @@ void SurfaceForces::pushWalls( const Body& body, unsigned version, double h )
 
 Status SoftBody::setGas( const Gas& gas )
 {
-	const bool isGood = std::isfinite( gas.pressure ) && btFabs( gas.pressure ) <= kMostPressure && gas.outside >= 0 &&
+	const bool isLaw = gas.law >= GasLaw::None && gas.law <= GasLaw::Ideal;
+	const bool isGood = isLaw && std::isfinite( gas.pressure ) && btFabs( gas.pressure ) <= kMostPressure && gas.outside >= 0 &&
 		gas.outside <= kMostPressure && ( gas.law != GasLaw::Ideal || gas.pressure > -gas.outside );
-	if ( !isGood && gas.law != GasLaw::None )
+	if ( !isGood )
 	{
-		return Status{ ResultCode::BadSettings, "setGas: the pressure is out of range." };
+		return Status{ ResultCode::BadSettings, "setGas: the law or a pressure is out of range." };
 	}
 	auto forces = std::make_unique<SurfaceForces>();
 	forces->gas = gas;

@@ -218,6 +218,10 @@ void SoftBodySystem::shift( const btVector3& by )
 Status WorldStep::shiftOrigin( const btVector3& by )
 {
 	btDiscreteDynamicsWorld& world = m_parts.world;
+	if ( bodies.areStagesRunning )
+	{
+		return refused( "shiftOrigin", "a step is in progress." );
+	}
 	if ( Status status = check( world, by ); !status.ok() )
 	{
 		return status;

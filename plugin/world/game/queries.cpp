@@ -128,7 +128,7 @@ bool SurfaceQuery::isInside( const btVector3& position ) const
 
 bool SurfaceQuery::touchesSphere( const btVector3& centre, btScalar radius ) const
 {
-	if ( !isFinite( centre ) || !( radius >= 0 ) )
+	if ( !isFinite( centre ) || !std::isfinite( radius ) || radius < 0 )
 	{
 		return false;
 	}

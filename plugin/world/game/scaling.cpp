@@ -74,6 +74,7 @@ Status SoftBody::setScale( btScalar scale )
 		}
 		return Status{ ResultCode::OutOfMemory, "Not enough memory to scale the body." };
 	}
+	impl.system ? impl.system->equationsChanged( *this ) : void();
 	for ( ContactProxy* proxy : impl.touched )
 	{
 		proxy->setCollisionShape( impl.shape->sphereOfNode( proxy->node ) );

@@ -80,7 +80,7 @@ Status saveBulletFile( SoftBodyHost& world, btSerializer& serializer, const Save
 Result<BytesView> snapshotInBulletFile( BytesView file )
 {
 	using Answer = Result<BytesView>;
-	if ( file.size < kFileHeader || std::memcmp( file.data, "BULLET", 6 ) != 0 )
+	if ( !file.data || file.size < kFileHeader || std::memcmp( file.data, "BULLET", 6 ) != 0 )
 	{
 		return Answer::failure( ResultCode::BadSnapshot, "The data is no .bullet file." );
 	}

@@ -1,6 +1,7 @@
 #include "pliant/io/snapshot.h"
 
 #include "lattice/features.h"
+#include "world/bodies/placing.h"
 #include "world/io/snapshot_format.h"
 #include "world/io/world_snapshot.h"
 
@@ -181,6 +182,10 @@ SoftBodyResult loadBody( BytesView bytes, const LoadSettings& settings )
 Status saveWorld( const SoftBodyHost& world, std::vector<std::byte>& bytes, const SaveSettings& settings )
 {
 	return guarded( "save a world", [&] {
+		if ( world.step().bodies.areStagesRunning )
+		{
+			return refused( "saveWorld", "a step is in progress." );
+		}
 		if ( Status status = checkIds( world, settings ); !status.ok() )
 		{
 			return status;
@@ -197,6 +202,10 @@ Result<RestoredWorld> restoreWorld( SoftBodyHost& world, BytesView bytes, const 
 {
 	Result<RestoredWorld> result;
 	result.status = guarded( "restore a world", [&] {
+		if ( world.step().bodies.areStagesRunning )
+		{
+			return refused( "restoreWorld", "a step is in progress." );
+		}
 		Archive archive = openSnapshot( bytes, SnapshotKind::World );
 		WorldSnapshot snapshot( world.step() );
 		if ( archive.isSound() )

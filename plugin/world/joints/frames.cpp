@@ -191,7 +191,12 @@ btRigidBody* Frames::add( btDiscreteDynamicsWorld& world, SoftBody& body, const 
 {
 	Frame frame;
 	frame.body = &body;
-	frame.radius = radius;
+	double farthest = 0.0;
+	for ( int node = 0; node < body.nodeCount(); ++node )
+	{
+		farthest = std::max( farthest, ( positionOf( body, node ) - at ).norm() );
+	}
+	frame.radius = std::min( radius, kFarthestOfFrame * farthest ); // the rigid body of a huge one would be out of Bullet's range
 	frame.at = at;
 	for ( int node = 0; node < body.nodeCount(); ++node )
 	{
@@ -218,7 +223,7 @@ btRigidBody* Frames::add( btDiscreteDynamicsWorld& world, SoftBody& body, const 
 		part.rest = frame.rotation.conjugate() * ( positionOf( body, part.node ) - frame.at );
 	}
 	measure( frame );
-	frame.shape = std::make_unique<btSphereShape>( btScalar( radius ) );
+	frame.shape = std::make_unique<btSphereShape>( btScalar( frame.radius ) );
 	btRigidBody::btRigidBodyConstructionInfo info( btScalar( frame.mass ), nullptr, frame.shape.get(), btVector3( 1, 1, 1 ) );
 	info.m_startWorldTransform = toBt( frame.rotation, frame.at );
 	frame.rigid = std::make_unique<btRigidBody>( info );

@@ -245,6 +245,11 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 	quarantineBroken();
 }
 
+void SoftBodySystem::equationsChanged( SoftBody& body ) const
+{
+	body.impl().isImplicit = body.impl().isImplicit && !areStagesRunning;
+}
+
 // The body's box must contain what its nodes sweep in this step. This is also the last point where a number that is not finite can be
 // caught before it reaches Bullet's broadphase, and with it every other body.
 bool SoftBodySystem::sweepBox( SoftBody& body, btScalar h ) const

@@ -82,6 +82,12 @@ public:
 	/// The stages up to updateActivation then apply to the bodies that this pass moves.
 	void beginPass( StepPass pass );
 	StepPass pass() const { return m_pass; }
+	/// Whether the stages of a step run, and what they call: contact callbacks, force fields. Then the world's arrays hold a part of its
+	/// objects, and tasks may be running.
+	bool areStagesRunning = false;
+	/// Call when the game changes what a body's implicit equations are made of. In the middle of a step the body moves freely for the rest
+	/// of the pass, because the equations are those of before.
+	void equationsChanged( SoftBody& body ) const;
 	void endSubsteps()
 	{
 		group.endSubsteps( m_world );

@@ -40,6 +40,10 @@ void WorldStep::openTick()
 
 bool WorldStep::beginTick( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep )
 {
+	if ( bodies.areStagesRunning )
+	{
+		return false; // called from within a step
+	}
 	openTick();
 	return bodies.acceptsSteps( timeStep, maxSubSteps, fixedTimeStep );
 }
@@ -87,6 +91,7 @@ void WorldStep::singleStep( btScalar timeStep )
 void WorldStep::makePasses( btScalar timeStep, int substeps )
 {
 	const bool hasWhole = bodies.group.isEmpty() || bodies.group.isSplit();
+	bodies.areStagesRunning = true;
 	m_substep = 0;
 	m_isNewStep = true;
 	m_gameStep = timeStep;
@@ -113,6 +118,7 @@ void WorldStep::makePasses( btScalar timeStep, int substeps )
 		bodies.endSubsteps();
 	}
 	const btScalar h = bodies.group.isEmpty() ? timeStep : timeStep / btScalar( substeps );
+	bodies.areStagesRunning = false; // actions are the game's, and see the whole world
 	m_lengths = Lengths{ hasWhole ? timeStep : h, h };
 	if ( !m_parts.hasOwnSingleStep || !hasWhole )
 	{

@@ -19,7 +19,7 @@ struct DebugDrawing
 	bool pins = true;     ///< a cross at each pinned node
 	bool attachments = false;                    ///< a line between the two points of each attachment, yellow, and its force
 	bool contacts = false;                       ///< at each contact its impulse along the normal, on the soft body
-	btScalar fullStrain = btScalar( 0.1 );       ///< stretch of the full colours; 0 and below: the default
+	btScalar fullStrain = btScalar( 0.1 );       ///< stretch of the full colours; 0 and below count as the default
 	btScalar metresPerNewton = btScalar( 0.01 ); ///< length of the forces of attachments
 	btScalar metresPerImpulse = btScalar( 0.1 ); ///< length of the impulses of contacts, m / (N s)
 };

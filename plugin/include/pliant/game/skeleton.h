@@ -66,7 +66,8 @@ PLIANT_API void stopFollowing( SoftBody& body );
 /// The pose at the end of the next step of the world, `count` transforms, one for each bone, from mesh coordinates in the bind pose to the
 /// world (of a skeleton: bone times inverse bind matrix); they may scale. Until then the targets move evenly, afterwards they stand still
 /// until the next call. `jumps`: they are there at once, without a velocity, as after a teleport of the character. Wakes the body where
-/// they move. BadArgument for a body that does not follow bones, another count, and bad numbers.
+/// they move. BadArgument for a body that does not follow bones, another count, bad numbers, and where a cell would be further out than
+/// 1e9 m.
 PLIANT_API Status setPose( SoftBody& body, const btTransform* bones, int count, bool jumps = false );
 /// The same for a body that follows targets: `count` world positions, m, one for each cell of the template (BodyTemplate::cellCount).
 PLIANT_API Status setTargets( SoftBody& body, const btVector3* positions, int count, bool jumps = false );

@@ -97,13 +97,14 @@ PLIANT_API SoftBodyResult loadBody( BytesView bytes, const LoadSettings& setting
 
 /// Saves all soft bodies of a world with their contacts, pins and attachments, and what Bullet carries from step to step: contacts of rigid
 /// bodies, broadphase, motion and sleep. Call it between steps. `bytes`: replaced; its memory is used again, so that a game that saves
-/// every step allocates nothing. Errors: OutOfMemory; BadArgument where a settings' id occurs twice.
+/// every step allocates nothing. Errors: OutOfMemory; BadArgument where a settings' id occurs twice,
+/// and during a step.
 PLIANT_API Status saveWorld( const SoftBodyHost& world, std::vector<std::byte>& bytes, const SaveSettings& settings = {} );
 
 /// Restores a world, between steps. It must have the objects that are no soft bodies that it had when it was saved, in the same order or
 /// with ids, and the same settings. Bodies that are still there keep their address, whatever has broken since; see RestoredWorld for
 /// others. The game's contact callbacks are not called, but for gContactDestroyedCallback with what it has put into contact points. Errors:
-/// BadSnapshot, OutOfMemory: nothing has changed.
+/// BadSnapshot, OutOfMemory, BadArgument during a step: nothing has changed.
 PLIANT_API Result<RestoredWorld> restoreWorld( SoftBodyHost& world, BytesView bytes, const LoadSettings& settings = {} );
 
 /// Writes a .bullet file: what the world's `serialize` writes, and a chunk with the snapshot of saveWorld, which other importers skip.

@@ -51,7 +51,8 @@ public:
 	RenderSkin& operator=( const RenderSkin& ) = delete;
 
 	/// As SoftBody::surface, of this mesh: computed if the body has moved. Pointers stay valid until the call after the next. Empty for a
-	/// body of another template, and for a broken body where the cracks of the mesh cannot be computed. Give one skin the same body always.
+	/// body of another template, and for a broken body where the cracks of the mesh cannot be computed. Give one skin the same body always:
+	/// for another one all is computed again, and what a renderer keeps by `topologyVersion` may be that of the first.
 	SurfaceView surface( const SoftBody& body );
 	/// As SoftBody::gpuSurface, of this mesh. Pointers stay valid until the next step or call. Empty as above.
 	GpuSurfaceView gpuSurface( const SoftBody& body );

@@ -29,7 +29,8 @@ struct VertexSourceView
 };
 
 /// Computes an attribute of all vertices: `out`, `components` floats per vertex, from `input`, as many per vertex of the input mesh.
-/// Vertices of crack faces get `inside`, `components` floats; null: zeros. Errors: BadArgument for null arrays and for components below 1.
+/// Vertices of crack faces get `inside`, `components` floats; null: zeros. Errors: BadArgument for null arrays, for components below 1,
+/// and for a number of vertices below 0.
 PLIANT_API Status interpolateAttribute(
 	const VertexSourceView& vertices, const float* input, int components, const float* inside, float* out );
 
