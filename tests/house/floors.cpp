@@ -26,6 +26,7 @@ const Floor kFloors[] = {
 	{ "plugin/surface/", 6 },
 	{ "plugin/body/", 7 },
 	{ "plugin/world/", 8 },
+	{ "plugin/c/", 9 },
 };
 
 // The sub-folders of a floor, from the lowest up. A header includes headers of its own sub-folder and of lower ones. A source file may
@@ -110,7 +111,7 @@ std::optional<std::string> wrongInPlugin( const SourceFile& file, const Include&
 			return std::nullopt;
 		}
 		const bool eigenWelcome = !isPublic( file.path );
-		const bool bulletWelcome = isPublic( file.path ) || from->height == kWorld;
+		const bool bulletWelcome = isPublic( file.path ) || from->height >= kWorld;
 		if ( ( eigenWelcome && isEigen( include.name ) ) || ( bulletWelcome && isBullet( include.name ) ) )
 		{
 			return std::nullopt;
