@@ -36,9 +36,9 @@ TEST( CFace, ABodyFallsRestsAndIsPushed )
 	EXPECT_NEAR( scene.state( body ).mass, 1000, 1 );
 	EXPECT_EQ( scene.state( body ).cells, 64 );
 	scene.step( 120 );
-	EXPECT_NEAR( heightOf( scene, body ), 0.5, 0.05 );
+	EXPECT_NEAR( heightOf( scene, body ), 0.4, 0.1 ); // it sags under its weight
 	ASSERT_EQ( pliant_body_apply_impulse( scene.world, body, -1, pliant_vec3{ 0, 5000, 0 } ), PLIANT_OK );
-	EXPECT_NEAR( scene.state( body ).linear_velocity.y, 5, 0.2 );
+	EXPECT_NEAR( scene.state( body ).linear_velocity.y, 5, 0.5 );
 	scene.step( 10 );
 	EXPECT_GT( heightOf( scene, body ), 0.8 );
 	const pliant_vec3 up = { 0, 100, 0 };
@@ -117,10 +117,9 @@ TEST( CFace, AnAttachmentThatBreaksIsToldOf )
 	EXPECT_GT( std::fabs( event.force.y ), 200 );
 	ASSERT_EQ( pliant_object_destroy( scene.world, body ), PLIANT_OK );
 	ASSERT_EQ( pliant_object_destroy( scene.world, scene.floor ), PLIANT_OK );
-	ASSERT_EQ( pliant_world_get_broken_attachment( scene.world, 0, &event, sizeof event ), PLIANT_OK );
-	EXPECT_EQ( event.body, 0u ) << "it is gone";
-	EXPECT_EQ( event.other, 0u );
-	EXPECT_EQ( pliant_world_get_broken_attachment( scene.world, 1, &event, sizeof event ), PLIANT_BAD_ARGUMENT );
+	ASSERT_EQ( pliant_world_get_broken_attachment_count( scene.world, &count ), PLIANT_OK );
+	EXPECT_EQ( count, 0u ) << "events go with their bodies";
+	EXPECT_EQ( pliant_world_get_broken_attachment( scene.world, 0, &event, sizeof event ), PLIANT_BAD_ARGUMENT );
 }
 
 TEST( CFace, ContactsAreToldOf )
@@ -156,10 +155,12 @@ TEST( CFace, ACutBodyFallsApartAndHeals )
 	const pliant_id body = scene.add( pliant_vec3{ 0, 0.5, 0 } );
 	ASSERT_EQ( pliant_body_prepare_cracks( scene.world, body ), PLIANT_OK );
 	std::int32_t links = 0, healed = 0;
-	ASSERT_EQ( pliant_body_cut_sphere( scene.world, body, pliant_vec3{ 0.5, 1, 0.5 }, 0.3, &links ), PLIANT_OK );
+	ASSERT_EQ( pliant_body_cut_plane( scene.world, body, pliant_vec3{ 0.5, 0.6, 0 }, pliant_vec3{ 0, 0, 1 }, 0.4, &links ), PLIANT_OK );
 	EXPECT_GT( links, 0 );
+	scene.step();
 	ASSERT_EQ( pliant_body_heal( scene.world, body, 1.2, &healed ), PLIANT_OK );
 	EXPECT_EQ( healed, links );
+	scene.step(); // a link is there to be cut again once it is restored
 	const pliant_vec3 blade[4] = { { -1, 2, 0 }, { 1, 2, 0 }, { -1, -1, 0 }, { 1, -1, 0 } };
 	ASSERT_EQ( pliant_body_cut_sweep( scene.world, body, blade, &links ), PLIANT_OK );
 	EXPECT_GT( links, 16 );
@@ -176,6 +177,8 @@ TEST( CFace, ACutBodyFallsApartAndHeals )
 	EXPECT_NEAR( event.area, 1, 0.01 );
 	ASSERT_EQ( pliant_body_cut_plane( scene.world, piece, scene.state( piece ).mass_centre, pliant_vec3{ 1, 0, 0 }, kInfinite, &links ),
 		PLIANT_OK );
+	EXPECT_GT( links, 0 );
+	ASSERT_EQ( pliant_body_cut_sphere( scene.world, piece, scene.state( piece ).mass_centre, 0.3, &links ), PLIANT_OK );
 	EXPECT_GT( links, 0 );
 	// A fragment ends as any other object, and the event knows.
 	ASSERT_EQ( pliant_object_destroy( scene.world, piece ), PLIANT_OK );
@@ -218,8 +221,8 @@ TEST( CFace, ARestoredWorldHasItsIdentitiesAndGoesOnToTheSameBits )
 {
 	CScene scene;
 	auto fracture = initial( pliant_fracture_init );
-	fracture.rule = PLIANT_BREAK_DISTANCE;
-	fracture.break_strain = 0.1f;
+	fracture.rule = PLIANT_BREAK_PLANE;
+	fracture.break_strain = 0.08f;
 	const pliant_id body = scene.add( pliant_vec3{ 0, 0.5, 0 }, &fracture ), other = scene.add( pliant_vec3{ 3, 0.5, 0 } );
 	scene.addBall( pliant_vec3{ 0, 1.5, 0 }, 500, pliant_vec3{ 0, -15, 0 } );
 	Buffer before, after;
