@@ -2,6 +2,8 @@
 
 #include "c/misuse.h"
 
+#include <thread>
+
 namespace pliant {
 namespace {
 
@@ -248,6 +250,37 @@ TEST( CMisuse, SettingsOfSoftBodies )
 	refused( PLIANT_BAD_SETTINGS );
 	EXPECT_EQ( body, 0u );
 	EXPECT_EQ( scene.everything(), before );
+}
+
+TEST( CMisuse, EachThreadHasASentenceOfItsOwn )
+{
+	EXPECT_EQ( pliant_world_set_threads( nullptr, 0 ), PLIANT_BAD_ARGUMENT );
+	const std::string mine = pliant_last_error();
+	std::string before, other;
+	std::thread( [&] {
+		before = pliant_last_error();
+		EXPECT_EQ( pliant_template_load( "none", 4, nullptr ), PLIANT_BAD_ARGUMENT );
+		pliant_template* loaded = nullptr;
+		EXPECT_EQ( pliant_template_load( "none", 4, &loaded ), PLIANT_BAD_SNAPSHOT );
+		other = pliant_last_error();
+	} ).join();
+	EXPECT_EQ( before, "" );
+	EXPECT_NE( other, mine );
+	EXPECT_EQ( pliant_last_error(), mine );
+}
+
+// A callback of C++ may throw, though it should not: nothing comes out.
+TEST( CMisuse, NothingIsThrownAcross )
+{
+	MisuseScene scene;
+	auto settings = initial( pliant_body_settings_init );
+	settings.stiffness = []( const float*, void* ) -> float { throw std::string( "thrown" ); };
+	pliant_id made = 0;
+	EXPECT_EQ( pliant_body_create( scene.world, scene.cube, &settings, &made ), PLIANT_BAD_ARGUMENT );
+	settings.stiffness = []( const float*, void* ) -> float { throw std::bad_alloc(); };
+	EXPECT_EQ( pliant_body_create( scene.world, scene.cube, &settings, &made ), PLIANT_OUT_OF_MEMORY );
+	EXPECT_EQ( made, 0u );
+	EXPECT_EQ( scene.bodies().size(), 1u );
 }
 
 TEST( CMisuse, NamesAndVersion )

@@ -2,12 +2,28 @@
 
 #include "c/face.h"
 
+#include "c/call.h"
 #include "pliant/c/mix.h"
 #include "pliant/pliant.h"
 
 #include <cstring>
 
 namespace pliant {
+
+namespace test {
+
+/// A structure that had one field in its first version.
+struct Grown
+{
+	std::uint32_t size;
+	std::int32_t first, second;
+};
+
+} // namespace test
+
+template <>
+inline constexpr std::uint32_t c::kFirstSize<test::Grown> = 8;
+
 namespace {
 
 using namespace test;
@@ -212,6 +228,26 @@ TEST( CSettings, SizesThatAreNotKnownAreRefused )
 	pliant_id made = 0;
 	EXPECT_EQ( pliant_body_create( scene.world, scene.cube, &settings, &made ), PLIANT_BAD_ARGUMENT );
 	EXPECT_EQ( made, 0u );
+}
+
+TEST( CSettings, CallersOfAnOlderVersionGoOn )
+{
+	Grown full{ 0, 1, 2 };
+	const Grown old{ 8, 5, 99 };
+	EXPECT_EQ( c::readSized( &old, full ), PLIANT_OK );
+	EXPECT_EQ( full.first, 5 );
+	EXPECT_EQ( full.second, 2 ) << "the default of what the caller does not know";
+	Grown out{ 0, 0, 77 };
+	EXPECT_EQ( c::writeSized( Grown{ 0, 3, 4 }, &out, 8 ), PLIANT_OK );
+	EXPECT_EQ( out.size, 8u );
+	EXPECT_EQ( out.first, 3 );
+	EXPECT_EQ( out.second, 77 ) << "nothing is written behind the caller's structure";
+	EXPECT_EQ( c::writeSized( Grown{ 0, 3, 4 }, &out, 12 ), PLIANT_OK );
+	EXPECT_EQ( out.second, 4 );
+	for ( const std::uint32_t size : { 0u, 4u, 13u, 16u } )
+	{
+		EXPECT_EQ( c::writeSized( Grown{}, &out, size ), PLIANT_BAD_ARGUMENT );
+	}
 }
 
 TEST( CSettings, NumbersThatAreNoEnumeratorsAreRefused )
