@@ -4,8 +4,6 @@
 #include "c/numbers.h"
 #include "pliant/c/world.h"
 
-#include <algorithm>
-
 namespace pliant::c {
 
 namespace {
@@ -71,11 +69,10 @@ pliant_contact_event inC( pliant_world& world, const ContactEvent& event )
 
 pliant_attachment_event inC( pliant_world& world, const AttachmentEvent& event )
 {
-	const bool isGone = std::find( world.destroyed.begin(), world.destroyed.end(), event.rigid ) != world.destroyed.end();
 	pliant_attachment_event c{};
-	c.attachment = event.id;
-	c.body = identityInEvent( world, event.body );
-	c.other = event.other ? identityInEvent( world, event.other ) : isGone ? 0 : identityOf( world, event.rigid );
+	c.attachment = event.id; // an event goes when a body that it names goes
+	c.body = identityOf( *event.body );
+	c.other = event.other ? identityOf( *event.other ) : identityOf( world, event.rigid );
 	c.force = vectorOf( event.force );
 	c.position = vectorOf( event.position );
 	return c;

@@ -69,8 +69,8 @@ struct pliant_world
 	std::unordered_map<pliant_id, pliant::c::Other> others;
 	std::unordered_map<const btCollisionObject*, pliant_id> idsOfOthers;
 	pliant_id lastOther = 1; ///< identity last given to an object that is no soft body
-	/// Objects destroyed through C that events of the last step may still point to.
-	std::vector<const btCollisionObject*> destroyed;
+	/// Soft bodies destroyed through C that FractureEvents of the last step may still point to.
+	std::vector<const pliant::SoftBody*> destroyed;
 
 	~pliant_world();
 };
@@ -83,10 +83,10 @@ SoftBody* softBody( const pliant_world& world, pliant_id id );
 btCollisionObject* object( const pliant_world& world, pliant_id id );
 /// The rigid body of an identity; null where there is none.
 btRigidBody* rigidBody( const pliant_world& world, pliant_id id );
-/// The identity of an object of the world. Gives one to what has none; 0 for null and for what is not in the world.
+/// The identity of an object of the world, given to it where it has none; 0 for null.
 pliant_id identityOf( pliant_world& world, const btCollisionObject* object );
 pliant_id identityOf( const SoftBody& body );
-/// The same for a soft body that an event points to, which may have been destroyed since.
+/// The same for a soft body that a FractureEvent points to; 0 where it has been destroyed since.
 pliant_id identityInEvent( const pliant_world& world, const SoftBody* body );
 
 /// Why there is no object of the kind wanted for an identity.

@@ -30,29 +30,20 @@ bool isInWorld( const pliant_world& world, const btCollisionObject* object )
 	return false;
 }
 
-// Of what C++ has made and taken out of the world since.
-void forgetOther( pliant_world& world, const btCollisionObject* object )
+// Events of the last step may point to a body where another is made later.
+void noteDestroyed( pliant_world& world, const SoftBody& body )
 {
-	if ( const auto known = world.idsOfOthers.find( object ); known != world.idsOfOthers.end() )
-	{
-		world.others.erase( known->second );
-		world.idsOfOthers.erase( known );
-	}
-}
-
-void noteDestroyed( pliant_world& world, const btCollisionObject* object )
-{
-	if ( world.host->fractureEvents().empty() && world.host->attachmentEvents().empty() )
+	if ( world.host->fractureEvents().empty() )
 	{
 		world.destroyed.clear();
 	}
-	world.destroyed.push_back( object );
+	world.destroyed.push_back( &body );
 }
 
 pliant_result destroySoft( pliant_world& world, SoftBody& body )
 {
 	const auto made = world.madeSoft.find( &body );
-	noteDestroyed( world, &body );
+	noteDestroyed( world, body );
 	if ( made != world.madeSoft.end() )
 	{
 		world.host->removeSoftBody( &body );
@@ -76,7 +67,6 @@ pliant_result destroyOther( pliant_world& world, pliant_id id )
 	{
 		return refuse( PLIANT_BAD_ARGUMENT, "The object was made in C++, which destroys it." );
 	}
-	noteDestroyed( world, other->second.object );
 	world.host->bulletWorld().removeRigidBody( other->second.made->body.get() );
 	world.idsOfOthers.erase( other->second.object );
 	world.others.erase( other );
@@ -126,9 +116,8 @@ pliant_id identityOf( const SoftBody& body )
 
 pliant_id identityOf( pliant_world& world, const btCollisionObject* object )
 {
-	if ( !object || !isInWorld( world, object ) )
+	if ( !object )
 	{
-		forgetOther( world, object );
 		return 0;
 	}
 	if ( const SoftBody* const soft = SoftBody::upcast( object ) )
@@ -283,7 +272,7 @@ pliant_id idOf( pliant_world* world, const btCollisionObject* object )
 	if ( world )
 	{
 		static_cast<void>( c::call( [&]() -> pliant_result {
-			id = c::identityOf( *world, object );
+			id = c::isInWorld( *world, object ) ? c::identityOf( *world, object ) : 0;
 			return PLIANT_OK;
 		} ) );
 	}

@@ -3,8 +3,6 @@
 #include "c/settings.h"
 #include "pliant/c/mix.h"
 #include "pliant/c/world.h"
-#include "world/bodies/soft_body_impl.h"
-#include "world/step/world_step.h"
 
 #include <algorithm>
 #include <limits>
@@ -85,15 +83,6 @@ pliant_step_report inC( const StepReport& report )
 	c.quarantined = report.quarantined;
 	c.unreachable_stiffness = report.unreachableStiffness;
 	return c;
-}
-
-// Small bodies that have faded (SmallPieces::Fade) are out of the world, and nobody else destroys those that were made through C.
-void dropFaded( pliant_world& world )
-{
-	if ( world.host->stepReport().removedPieces > 0 )
-	{
-		std::erase_if( world.madeSoft, []( const auto& made ) { return made.second->impl().system == nullptr; } );
-	}
 }
 
 pliant_result checkStep( double seconds, std::int32_t most, double fixed )
@@ -200,7 +189,6 @@ pliant_result pliant_world_step( pliant_world* world, double seconds, int32_t ma
 		}
 		world->destroyed.clear();
 		const int made = host.bulletWorld().stepSimulation( btScalar( seconds ), max_steps, btScalar( fixed_step ) );
-		dropFaded( *world );
 		if ( steps )
 		{
 			*steps = made;
