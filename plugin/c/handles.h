@@ -68,7 +68,9 @@ struct pliant_world
 	std::unordered_map<const pliant::SoftBody*, std::unique_ptr<pliant::SoftBody>> madeSoft;
 	std::unordered_map<pliant_id, pliant::c::Other> others;
 	std::unordered_map<const btCollisionObject*, pliant_id> idsOfOthers;
-	pliant_id lastOther = 1; ///< identity last given to an object that is no soft body
+	pliant_id lastOther = 1;              ///< identity last given to an object that is no soft body
+	std::unique_ptr<pliant::Wind> wind;   ///< null: none
+	std::unique_ptr<pliant::Water> water; ///< null: none
 	/// Soft bodies destroyed through C that FractureEvents of the last step may still point to.
 	std::vector<const pliant::SoftBody*> destroyed;
 

@@ -119,6 +119,8 @@ using namespace pliant::c;
 
 pliant_world::~pliant_world()
 {
+	wind.reset();
+	water.reset();
 	for ( const auto& [body, owner] : madeSoft )
 	{
 		host->removeSoftBody( owner.get() );

@@ -315,6 +315,58 @@ TEST( CFace, RigidBodiesOfAllShapesRestAndMove )
 	EXPECT_EQ( pose.position.x, -4 );
 }
 
+TEST( CFace, WindBlowsWaterCarriesGasHolds )
+{
+	CScene scene;
+	auto light = initial( pliant_material_init );
+	light.density = 250;
+	auto settings = initial( pliant_body_settings_init );
+	settings.material = &light;
+	settings.pose.position = pliant_vec3{ 0, 4, 0 };
+	pliant_id body = 0;
+	ASSERT_EQ( pliant_body_create( scene.world, scene.cube, &settings, &body ), PLIANT_OK );
+	auto water = initial( pliant_water_init );
+	water.surface.y = 4;
+	ASSERT_EQ( pliant_world_set_water( scene.world, &water ), PLIANT_OK ) << pliant_last_error();
+	scene.step( 240 );
+	EXPECT_NEAR( heightOf( scene, body ), 4.25, 0.1 ) << "a quarter of it is under water";
+	auto wind = initial( pliant_wind_init );
+	wind.velocity.x = 30;
+	ASSERT_EQ( pliant_world_set_wind( scene.world, &wind ), PLIANT_OK ) << pliant_last_error();
+	scene.step( 30 );
+	const double velocity = scene.state( body ).linear_velocity.x;
+	EXPECT_GT( velocity, 0.3 );
+	wind.velocity.x = -30; // changed in place
+	ASSERT_EQ( pliant_world_set_wind( scene.world, &wind ), PLIANT_OK );
+	scene.step( 30 );
+	EXPECT_LT( scene.state( body ).linear_velocity.x, velocity );
+	EXPECT_EQ( hostOf( scene.world )->forceFieldCount(), 2 );
+	ASSERT_EQ( pliant_world_set_wind( scene.world, nullptr ), PLIANT_OK );
+	ASSERT_EQ( pliant_world_set_water( scene.world, nullptr ), PLIANT_OK );
+	EXPECT_EQ( hostOf( scene.world )->forceFieldCount(), 0 );
+	scene.step( 120 );
+	EXPECT_LT( heightOf( scene, body ), 1 ) << "it falls";
+	double pressure = -1;
+	EXPECT_EQ( pliant_body_set_gas( scene.world, body, PLIANT_GAS_CONSTANT, 100, 0 ), PLIANT_BAD_ARGUMENT ) << "it has no cavity";
+
+	auto hollow = initial( pliant_lattice_settings_init );
+	hollow.cell_size = 0.2f;
+	hollow.shell = PLIANT_SHELL_ALWAYS;
+	const CubeMesh mesh;
+	pliant_template* box = nullptr;
+	ASSERT_EQ( pliant_template_build( &mesh.view, &hollow, &box ), PLIANT_OK );
+	ASSERT_EQ( pliant_body_create( scene.world, box, nullptr, &body ), PLIANT_OK );
+	pliant_template_release( box );
+	ASSERT_EQ( pliant_body_set_gas( scene.world, body, PLIANT_GAS_CONSTANT, 100, 0 ), PLIANT_OK ) << pliant_last_error();
+	scene.step();
+	ASSERT_EQ( pliant_body_get_gas_pressure( scene.world, body, 0, &pressure ), PLIANT_OK );
+	EXPECT_NEAR( pressure, 100, 1e-3 );
+	ASSERT_EQ( pliant_body_get_gas_pressure( scene.world, body, 9, &pressure ), PLIANT_OK );
+	EXPECT_EQ( pressure, 0 );
+	EXPECT_EQ( pliant_body_set_gas( scene.world, body, 3, 100, 0 ), PLIANT_BAD_SETTINGS );
+	EXPECT_EQ( pliant_body_set_gas( scene.world, body, PLIANT_GAS_CONSTANT, kBad, 0 ), PLIANT_BAD_SETTINGS );
+}
+
 TEST( CFace, WorldsExplodeShiftAndKeepABudget )
 {
 	CScene scene;

@@ -2,6 +2,9 @@
 
 #include "c/misuse.h"
 
+#include "pliant/c/mix.h"
+#include "pliant/soft_body_host.h"
+
 #include <thread>
 
 namespace pliant {
@@ -127,6 +130,25 @@ TEST( CMisuse, Worlds )
 	EXPECT_EQ( pliant_world_get_report( w, &report, 12 ), PLIANT_BAD_ARGUMENT );
 	pliant_world_destroy( nullptr );
 	EXPECT_EQ( scene.everything(), before );
+}
+
+TEST( CMisuse, WindAndWater )
+{
+	MisuseScene scene;
+	EXPECT_EQ( pliant_wind_init( nullptr, sizeof( pliant_wind ) ), PLIANT_BAD_ARGUMENT );
+	EXPECT_EQ( pliant_water_init( nullptr, sizeof( pliant_water ) ), PLIANT_BAD_ARGUMENT );
+	auto wind = initial( pliant_wind_init );
+	auto water = initial( pliant_water_init );
+	EXPECT_EQ( pliant_world_set_wind( nullptr, &wind ), PLIANT_BAD_ARGUMENT );
+	EXPECT_EQ( pliant_world_set_water( nullptr, &water ), PLIANT_BAD_ARGUMENT );
+	wind.velocity = kBadVector;
+	water.up = kZero;
+	EXPECT_EQ( pliant_world_set_wind( scene.world, &wind ), PLIANT_BAD_SETTINGS );
+	EXPECT_EQ( pliant_world_set_water( scene.world, &water ), PLIANT_BAD_SETTINGS );
+	wind.size = water.size = 5;
+	EXPECT_EQ( pliant_world_set_wind( scene.world, &wind ), PLIANT_BAD_ARGUMENT );
+	EXPECT_EQ( pliant_world_set_water( scene.world, &water ), PLIANT_BAD_ARGUMENT );
+	EXPECT_EQ( hostOf( scene.world )->forceFieldCount(), 0 );
 }
 
 TEST( CMisuse, EventsRaysAndSnapshots )

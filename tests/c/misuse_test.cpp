@@ -48,6 +48,8 @@ const std::vector<Named>& softCalls()
 		PLIANT_NAMED( pliant_body_cut_sphere( t.world, t.id, kZero, 1e-3, &number ) ),
 		PLIANT_NAMED( pliant_body_cut_sweep( t.world, t.id, kBlade, &number ) ),
 		PLIANT_NAMED( pliant_body_heal( t.world, t.id, 1, &number ) ),
+		PLIANT_NAMED( pliant_body_get_gas_pressure( t.world, t.id, 0, values ) ),
+		PLIANT_NAMED( pliant_body_set_gas( t.world, t.id, PLIANT_GAS_NONE, 0, 0 ) ),
 		PLIANT_NAMED( pliant_body_pin( t.world, t.id, 0 ) ),
 		PLIANT_NAMED( pliant_body_drive( t.world, t.id, 0, kUp ) ),
 		PLIANT_NAMED( pliant_body_release( t.world, t.id, 0 ) ),
@@ -168,6 +170,7 @@ TEST( CMisuse, BadChangesOfASoftBody )
 	const std::int32_t links = scene.state( scene.soft ).links;
 	scene.expectRefused( PLIANT_BAD_ARGUMENT,
 		{
+			PLIANT_NAMED( pliant_body_get_gas_pressure( t.world, t.id, 0, nullptr ) ),
 			PLIANT_NAMED( pliant_body_set_material( t.world, t.id, nullptr ) ),
 			PLIANT_NAMED( pliant_body_set_fracture( t.world, t.id, nullptr ) ),
 			PLIANT_NAMED( pliant_body_get_material( t.world, t.id, nullptr, sizeof( pliant_material ) ) ),
