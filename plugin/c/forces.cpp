@@ -83,12 +83,12 @@ using namespace pliant::c;
 
 pliant_result pliant_wind_init( pliant_wind* wind, uint32_t size )
 {
-	return writeSized( c::inC( WindSettings{} ), wind, size );
+	return writeSized( inC( WindSettings{} ), wind, size );
 }
 
 pliant_result pliant_water_init( pliant_water* water, uint32_t size )
 {
-	return writeSized( c::inC( WaterSettings{} ), water, size );
+	return writeSized( inC( WaterSettings{} ), water, size );
 }
 
 pliant_result pliant_world_set_wind( pliant_world* world, const pliant_wind* wind )
