@@ -21,8 +21,14 @@ void takeOver( pliant_world& world, const std::vector<SoftBody*>& created )
 			continue;
 		}
 		std::unique_ptr<SoftBody>& owner = world.madeSoft[body];
-		world.host->releaseFragment( body );
-		owner.reset( body );
+		if ( world.host->releaseFragment( body ) )
+		{
+			owner.reset( body );
+		}
+		else
+		{
+			world.madeSoft.erase( body ); // a build without breaking releases nothing
+		}
 	}
 }
 
