@@ -26,6 +26,7 @@ const Floor kFloors[] = {
 	{ "plugin/surface/", 6 },
 	{ "plugin/body/", 7 },
 	{ "plugin/world/", 8 },
+	{ "plugin/c/", 9 },
 };
 
 // The sub-folders of a floor, from the lowest up. A header includes headers of its own sub-folder and of lower ones. A source file may
@@ -75,6 +76,17 @@ bool isPublic( const std::string& path )
 	return path.starts_with( "plugin/include/" );
 }
 
+// The public face in C; its one header for C++ says so by its name.
+bool isC( const std::string& path )
+{
+	return path.starts_with( "plugin/include/pliant/c/" ) && path != "plugin/include/pliant/c/mix.h";
+}
+
+bool isKnownToC( const Include& include )
+{
+	return include.name == "stdint.h" || include.resolved == "plugin/include/pliant/export.h" || isC( include.resolved );
+}
+
 bool isBullet( const std::string& name )
 {
 	return name.starts_with( "Bullet" ) || name.starts_with( "LinearMath/" ) || name.starts_with( "bt" );
@@ -103,6 +115,10 @@ std::optional<std::string> wrongInPlugin( const SourceFile& file, const Include&
 	{
 		return "and stands in no folder that has a floor (house/floors.cpp lists them)";
 	}
+	if ( isC( file.path ) )
+	{
+		return isKnownToC( include ) ? std::nullopt : std::optional<std::string>( "which is not C" );
+	}
 	if ( include.resolved.empty() )
 	{
 		if ( isStandard( include.name ) && include.angled )
@@ -110,7 +126,7 @@ std::optional<std::string> wrongInPlugin( const SourceFile& file, const Include&
 			return std::nullopt;
 		}
 		const bool eigenWelcome = !isPublic( file.path );
-		const bool bulletWelcome = isPublic( file.path ) || from->height == kWorld;
+		const bool bulletWelcome = isPublic( file.path ) || from->height >= kWorld;
 		if ( ( eigenWelcome && isEigen( include.name ) ) || ( bulletWelcome && isBullet( include.name ) ) )
 		{
 			return std::nullopt;

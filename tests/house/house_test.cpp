@@ -165,7 +165,7 @@ TEST_P( FloorBreach, IsSeen )
 {
 	for ( const char* path : { "plugin/include/pliant/mesh.h", "plugin/lattice/lattice.h", "plugin/threads/pool.h",
 			  "plugin/matching/matcher.h", "plugin/surface/skinning.h", "plugin/body/body.h", "plugin/world/node_shape.h",
-			  "third_party_glue/window.h", "tests/support/block.h" } )
+			  "plugin/c/handles.h", "third_party_glue/window.h", "tests/support/block.h" } )
 	{
 		put( path, "#pragma once\n" );
 	}
@@ -190,6 +190,12 @@ const Breach kBreaches[] = {
 	{ "CoreUsesAssimp", "plugin/lattice/a.cpp", "<assimp/scene.h>", false },
 	{ "PluginUsesGlue", "plugin/world/a.cpp", "\"third_party_glue/window.h\"", false },
 	{ "PluginUsesTests", "plugin/body/a.cpp", "\"support/block.h\"", false },
+	{ "CFaceMayUseIntegers", "plugin/include/pliant/c/a.h", "<stdint.h>", true },
+	{ "CFaceUsesCpp", "plugin/include/pliant/c/a.h", "\"pliant/mesh.h\"", false },
+	{ "CFaceUsesStandardCpp", "plugin/include/pliant/c/a.h", "<vector>", false },
+	{ "FaceUsesCOfItself", "plugin/include/pliant/a.h", "<stdint.h>", false },
+	{ "WorldUsesC", "plugin/world/a.cpp", "\"c/handles.h\"", false },
+	{ "CMayUseWorld", "plugin/c/a.cpp", "\"world/node_shape.h\"", true },
 	{ "FolderWithoutFloor", "plugin/attic/a.cpp", "<vector>", false },
 	{ "GlueUsesFace", "third_party_glue/a.cpp", "<pliant/mesh.h>", false },
 	{ "GlueUsesPlugin", "third_party_glue/a.cpp", "\"plugin/body/body.h\"", false },

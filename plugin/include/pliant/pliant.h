@@ -10,6 +10,7 @@
 //     pliant/vehicle_raycaster.h       wheels of Bullet's vehicle on soft bodies
 //     pliant/io/snapshot.h             saving and restoring
 //     pliant/game/skeleton.h           bodies that follow an animated pose
+//     pliant/c/pliant.h                the face in plain C, for other languages; pliant/c/mix.h for both on one world
 //     pliant/build.h, version.h        which features and which version this is
 //
 // Included here, and there to be included alone where less is wanted: mesh.h, crack.h and body_template.h (meshes), material.h,

@@ -1,0 +1,258 @@
+// Soft bodies are made, and asked.
+
+#include "c/handles.h"
+#include "c/numbers.h"
+#include "c/settings.h"
+#include "pliant/c/body.h"
+
+#include <cstdint>
+#include <limits>
+
+namespace pliant::c {
+
+namespace {
+
+pliant_body_settings defaultBody()
+{
+	pliant_body_settings settings{};
+	settings.group = btBroadphaseProxy::DefaultFilter;
+	settings.mask = btBroadphaseProxy::AllFilter;
+	settings.pose = kOrigin;
+	settings.friction = 0.5;
+	return settings;
+}
+
+/// What a pliant_body_settings leads to.
+struct Taken
+{
+	pliant_body_settings full = defaultBody();
+	Material material;
+	Adaptivity adaptivity;
+	Fracture fracture;
+	btTransform pose;
+};
+
+pliant_result takeBody( const pliant_body_settings* given, Taken& taken )
+{
+	pliant_result code = readSized( given, taken.full );
+	const pliant_body_settings& full = taken.full;
+	code = code == PLIANT_OK ? take( full.material, taken.material ) : code;
+	code = code == PLIANT_OK ? take( full.adaptivity, taken.adaptivity ) : code;
+	code = code == PLIANT_OK ? take( full.fracture, taken.fracture ) : code;
+	if ( code != PLIANT_OK )
+	{
+		return code;
+	}
+	if ( !takePose( full.pose, taken.pose ) )
+	{
+		return refuse( PLIANT_BAD_ARGUMENT, "pliant_body_settings::pose must be within 1e9 m, with a quaternion that is not zero." );
+	}
+	if ( !isWithin( full.friction, 0, kMostFriction ) || !isWithin( full.restitution, 0, 1 ) )
+	{
+		return refuse( PLIANT_BAD_SETTINGS, "pliant_body_settings: friction must lie in 0 to 1e6, and restitution in 0 to 1." );
+	}
+	if ( full.user_data > std::numeric_limits<std::uintptr_t>::max() )
+	{
+		return refuse( PLIANT_BAD_ARGUMENT, "The user data does not fit into a pointer of this machine." );
+	}
+	return PLIANT_OK;
+}
+
+/// Made, but in no world.
+SoftBodyResult makeBody( const pliant_template& from, const Taken& taken )
+{
+	const pliant_body_settings& full = taken.full;
+	SoftBodyResult made = SoftBody::create(
+		from.shared, taken.pose, taken.material, taken.adaptivity, StiffnessField{ full.stiffness, full.stiffness_context } );
+	if ( !made.ok() )
+	{
+		return made;
+	}
+	SoftBody& body = *made.value;
+	if ( full.fracture )
+	{
+		made.status = body.setFracture( taken.fracture, ToughnessField{ full.toughness, full.toughness_context },
+			ShardCentres{ full.shard_centres, full.shard_centre_count, full.shards } );
+	}
+	body.setFriction( btScalar( full.friction ) );
+	body.setRestitution( btScalar( full.restitution ) );
+	body.setUserPointer( reinterpret_cast<void*>( std::uintptr_t( full.user_data ) ) );
+	return made;
+}
+
+pliant_body_state inC( const SoftBody& body )
+{
+	pliant_body_state state{};
+	state.nodes = body.nodeCount();
+	state.cells = body.cellCount();
+	state.links = body.linkCount();
+	state.mass = double( body.mass() );
+	state.mass_centre = vectorOf( body.massCentre() );
+	state.linear_velocity = vectorOf( body.linearVelocity() );
+	state.angular_velocity = vectorOf( body.angularVelocity() );
+	state.angular_momentum = vectorOf( body.angularMomentum() );
+	state.pose = poseOf( body.bestFitTransform() );
+	state.fracture_version = body.fractureVersion();
+	state.level_version = body.levelVersion();
+	state.is_awake = body.isActive() ? 1 : 0;
+	state.is_healthy = body.isHealthy() ? 1 : 0;
+	state.is_rigid = body.isRigid() ? 1 : 0;
+	state.fade_fraction = body.fadeFraction();
+	return state;
+}
+
+pliant_surface inC( const SurfaceView& view )
+{
+	pliant_surface c{};
+	c.topology_version = view.topologyVersion;
+	c.origin = vectorOf( view.origin );
+	c.positions = view.positions;
+	c.normals = view.normals;
+	c.indices = view.indices;
+	c.texture_coordinates = view.textureCoordinates;
+	c.triangle_source = view.triangleSource;
+	c.vertices = view.vertexCount;
+	c.triangles = view.triangleCount;
+	c.changed_since = view.changedSince;
+	c.first_new_vertex = view.firstNewVertex;
+	c.first_new_triangle = view.firstNewTriangle;
+	c.first_changed_triangle = view.firstChangedTriangle;
+	c.last_changed_triangle = view.lastChangedTriangle;
+	c.frame = view.frame;
+	return c;
+}
+
+/// Writes a vector of each node.
+template <class F>
+pliant_result writeNodes( const SoftBody& body, double* out, std::uint64_t capacity, std::uint64_t* count, F&& vectorOfNode )
+{
+	if ( !count || ( !out && capacity > 0 ) )
+	{
+		return refuseNull();
+	}
+	const int nodes = body.nodeCount();
+	for ( int k = 0; k < nodes && std::uint64_t( k ) < capacity; ++k )
+	{
+		const btVector3 v = vectorOfNode( k );
+		*out++ = double( v.x() );
+		*out++ = double( v.y() );
+		*out++ = double( v.z() );
+	}
+	*count = std::uint64_t( nodes );
+	return PLIANT_OK;
+}
+
+} // namespace
+
+} // namespace pliant::c
+
+using namespace pliant;
+using namespace pliant::c;
+
+pliant_result pliant_body_settings_init( pliant_body_settings* settings, uint32_t size )
+{
+	return writeSized( defaultBody(), settings, size );
+}
+
+pliant_result pliant_body_create( pliant_world* world, const pliant_template* from, const pliant_body_settings* settings, pliant_id* made )
+{
+	return withWorld( world, [&]( SoftBodyHost& host ) {
+		if ( !from || !made )
+		{
+			return refuseNull();
+		}
+		Taken taken;
+		if ( const pliant_result code = takeBody( settings, taken ); code != PLIANT_OK )
+		{
+			return code;
+		}
+		SoftBodyResult body = makeBody( *from, taken );
+		if ( !body.ok() )
+		{
+			return resultOf( body.status );
+		}
+		SoftBody* const added = body.value.get();
+		world->madeSoft.emplace( added, std::move( body.value ) );
+		host.addSoftBody( added, taken.full.group, taken.full.mask );
+		*made = identityOf( *added );
+		return pliant_result( PLIANT_OK );
+	} );
+}
+
+pliant_result pliant_body_get_state( const pliant_world* world, pliant_id body, pliant_body_state* state, uint32_t size )
+{
+	return withSoft( world, body, [&]( SoftBody& soft ) { return writeSized( inC( soft ), state, size ); } );
+}
+
+pliant_result pliant_body_get_node( const pliant_world* world, pliant_id body, int32_t node, pliant_node* out, uint32_t size )
+{
+	return withSoft( world, body, [&]( SoftBody& soft ) {
+		if ( node < 0 || node >= soft.nodeCount() )
+		{
+			return refuse( PLIANT_BAD_ARGUMENT, "The body has no node of this index." );
+		}
+		pliant_node full{};
+		full.level = soft.nodeLevel( node );
+		full.position = vectorOf( soft.nodePosition( node ) );
+		full.velocity = vectorOf( soft.nodeVelocity( node ) );
+		full.mass = double( soft.nodeMass( node ) );
+		full.radius = double( soft.nodeRadius( node ) );
+		full.is_pinned = soft.isPinned( node ) ? 1 : 0;
+		full.cell = soft.cellOfNode( node );
+		return writeSized( full, out, size );
+	} );
+}
+
+pliant_result pliant_body_get_positions( const pliant_world* world, pliant_id body, double* positions, uint64_t capacity, uint64_t* count )
+{
+	return withSoft( world, body, [&]( SoftBody& soft ) {
+		return writeNodes( soft, positions, capacity, count, [&]( int node ) { return soft.nodePosition( node ); } );
+	} );
+}
+
+pliant_result pliant_body_get_velocities(
+	const pliant_world* world, pliant_id body, double* velocities, uint64_t capacity, uint64_t* count )
+{
+	return withSoft( world, body, [&]( SoftBody& soft ) {
+		return writeNodes( soft, velocities, capacity, count, [&]( int node ) { return soft.nodeVelocity( node ); } );
+	} );
+}
+
+pliant_result pliant_body_get_nearest_node( const pliant_world* world, pliant_id body, pliant_vec3 point, int32_t* node )
+{
+	return withSoft( world, body, [&]( SoftBody& soft ) {
+		if ( !node )
+		{
+			return refuseNull();
+		}
+		if ( !isNumber( vectorOf( point ) ) )
+		{
+			return refuse( PLIANT_BAD_ARGUMENT, "A coordinate is not finite." );
+		}
+		*node = soft.nearestNode( vectorOf( point ) );
+		return pliant_result( PLIANT_OK );
+	} );
+}
+
+pliant_result pliant_body_get_surface( const pliant_world* world, pliant_id body, pliant_surface* surface, uint32_t size )
+{
+	return withSoft( world, body, [&]( SoftBody& soft ) {
+		const bool isRefused = !surface || !isSizeKnown<pliant_surface>( size );
+		return writeSized( isRefused ? pliant_surface{} : inC( soft.surface() ), surface, size );
+	} );
+}
+
+pliant_result pliant_body_get_material( const pliant_world* world, pliant_id body, pliant_material* material, uint32_t size )
+{
+	return withSoft( world, body, [&]( SoftBody& soft ) { return writeSized( c::inC( soft.material() ), material, size ); } );
+}
+
+pliant_result pliant_body_get_fracture( const pliant_world* world, pliant_id body, pliant_fracture* fracture, uint32_t size )
+{
+	return withSoft( world, body, [&]( SoftBody& soft ) { return writeSized( c::inC( soft.fracture() ), fracture, size ); } );
+}
+
+pliant_result pliant_body_get_adaptivity( const pliant_world* world, pliant_id body, pliant_adaptivity* adaptivity, uint32_t size )
+{
+	return withSoft( world, body, [&]( SoftBody& soft ) { return writeSized( c::inC( soft.adaptivity() ), adaptivity, size ); } );
+}

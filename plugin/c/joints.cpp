@@ -1,0 +1,100 @@
+// Attachments.
+
+#include "c/handles.h"
+#include "c/numbers.h"
+#include "c/settings.h"
+#include "pliant/c/body.h"
+
+namespace pliant::c {
+
+namespace {
+
+pliant_result give( const Result<int>& result, std::int32_t* made )
+{
+	if ( result.ok() && made )
+	{
+		*made = result.value;
+	}
+	return resultOf( result.status );
+}
+
+/// Calls `work( SoftBody&, btCollisionObject&, const AttachmentSettings& )`, which returns a Result<int>.
+template <class F>
+pliant_result attach(
+	pliant_world* world, pliant_id body, pliant_id to, const pliant_attachment_settings* given, std::int32_t* made, F&& work )
+{
+	return withSoft( world, body, [&]( SoftBody& soft ) {
+		return withObject( world, to, [&]( btCollisionObject& other ) {
+			AttachmentSettings settings;
+			const pliant_result code = take( given, settings );
+			return code == PLIANT_OK ? give( work( soft, other, settings ), made ) : code;
+		} );
+	} );
+}
+
+} // namespace
+
+} // namespace pliant::c
+
+using namespace pliant;
+using namespace pliant::c;
+
+pliant_result pliant_attach_node(
+	pliant_world* world, pliant_id body, int32_t node, pliant_id rigid, const pliant_attachment_settings* settings, int32_t* made )
+{
+	return attach( world, body, rigid, settings, made, [&]( SoftBody& soft, btCollisionObject& to, const AttachmentSettings& how ) {
+		return world->host->attach( soft, node, to, how );
+	} );
+}
+
+pliant_result pliant_attach_point(
+	pliant_world* world, pliant_id body, pliant_vec3 point, pliant_id to, const pliant_attachment_settings* settings, int32_t* made )
+{
+	return attach( world, body, to, settings, made, [&]( SoftBody& soft, btCollisionObject& other, const AttachmentSettings& how ) {
+		SoftBody* const otherSoft = SoftBody::upcast( &other );
+		return otherSoft ? world->host->attach( soft, *otherSoft, vectorOf( point ), how )
+						 : world->host->attach( soft, vectorOf( point ), other, how );
+	} );
+}
+
+pliant_result pliant_weld(
+	pliant_world* world, pliant_id body, pliant_id to, double distance, const pliant_attachment_settings* settings, int32_t* made )
+{
+	return attach( world, body, to, settings, made, [&]( SoftBody& soft, btCollisionObject& other, const AttachmentSettings& how ) {
+		SoftBody* const otherSoft = SoftBody::upcast( &other );
+		return otherSoft ? world->host->weld( soft, *otherSoft, btScalar( distance ), how )
+						 : Result<int>::failure( ResultCode::BadArgument, "pliant_weld: the second object is no soft body." );
+	} );
+}
+
+pliant_result pliant_detach( pliant_world* world, int32_t attachment )
+{
+	return withWorld( world, [&]( SoftBodyHost& host ) {
+		return host.detach( attachment ) ? pliant_result( PLIANT_OK )
+										 : refuse( PLIANT_NO_SUCH_OBJECT, "The world has no attachment of this number." );
+	} );
+}
+
+pliant_result pliant_world_get_attachment_count( const pliant_world* world, int32_t* count )
+{
+	return withWorld( world, [&]( SoftBodyHost& host ) {
+		if ( !count )
+		{
+			return refuseNull();
+		}
+		*count = host.attachmentCount();
+		return pliant_result( PLIANT_OK );
+	} );
+}
+
+pliant_result pliant_attachment_get_force( const pliant_world* world, int32_t attachment, pliant_vec3* force )
+{
+	return withWorld( world, [&]( SoftBodyHost& host ) {
+		if ( !force )
+		{
+			return refuseNull();
+		}
+		*force = vectorOf( host.attachmentForce( attachment ) );
+		return pliant_result( PLIANT_OK );
+	} );
+}

@@ -1,0 +1,21 @@
+#pragma once
+
+// Pliant in plain C: all of it (docs/guide/c.md).
+//
+//     pliant/c/types.h       results, identities, version, buffers
+//     pliant/c/settings.h    materials, breaking, levels of detail, attachments
+//     pliant/c/template.h    meshes converted into cells
+//     pliant/c/world.h       worlds, events, rays, saving, what all objects have
+//     pliant/c/rigid.h       rigid bodies
+//     pliant/c/body.h        soft bodies
+//     pliant/c/forces.h      wind, water, gas in hollow bodies
+//
+// pliant/c/mix.h, not included here, is C++: for engines that use both faces on one world.
+
+#include "pliant/c/body.h"
+#include "pliant/c/forces.h"
+#include "pliant/c/rigid.h"
+#include "pliant/c/settings.h"
+#include "pliant/c/template.h"
+#include "pliant/c/types.h"
+#include "pliant/c/world.h"
