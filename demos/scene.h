@@ -3,25 +3,13 @@
 // A demo scene: what stands where, what happens while it runs, and where the eye is.
 
 #include "demos/stage.h"
+#include "demos/story.h"
 
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace pliant_demos {
-
-/// What a scene has measured: rows of numbers under headings.
-struct FindingTable
-{
-	struct Row
-	{
-		std::string name;
-		std::vector<double> values; ///< one a column
-	};
-	std::string caption;
-	std::vector<std::string> columns;
-	std::vector<Row> rows;
-};
 
 class Scene
 {
@@ -43,6 +31,8 @@ public:
 
 	/// After the last step, for the table and summary.json.
 	virtual std::vector<FindingTable> findings( const Stage& ) const { return {}; }
+	/// What must have happened once the scene has run its whole length.
+	virtual Story story( const Stage& ) const { return {}; }
 
 	/// Length of what happens, s.
 	virtual double duration() const = 0;
@@ -79,6 +69,7 @@ std::unique_ptr<Scene> makeGlobDrop();
 std::unique_ptr<Scene> makeHandScene();
 std::unique_ptr<Scene> makeHeavyOnSoft();
 std::unique_ptr<Scene> makeHello();
+std::unique_ptr<Scene> makeIceFloe();
 std::unique_ptr<Scene> makeLiverCut();
 std::unique_ptr<Scene> makePlank();
 std::unique_ptr<Scene> makePlasticBlock();
@@ -88,6 +79,7 @@ std::unique_ptr<Scene> makeSlope();
 std::unique_ptr<Scene> makeSoftStack();
 std::unique_ptr<Scene> makeSphereCrack();
 std::unique_ptr<Scene> makeStack();
+std::unique_ptr<Scene> makeTable();
 std::unique_ptr<Scene> makeThinFingers();
 std::unique_ptr<Scene> makeVaseShatter();
 
