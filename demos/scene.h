@@ -11,6 +11,15 @@
 
 namespace pliant_demos {
 
+/// What a player holds down.
+struct PlayerKeys
+{
+	float ahead = 0, aside = 0; ///< -1 to 1; aside: to the right
+	bool jump = false, change = false;
+
+	bool isAny() const { return ahead != 0 || aside != 0 || jump || change; }
+};
+
 class Scene
 {
 public:
@@ -33,6 +42,9 @@ public:
 	virtual std::vector<FindingTable> findings( const Stage& ) const { return {}; }
 	/// What must have happened once the scene has run its whole length.
 	virtual Story story( const Stage& ) const { return {}; }
+
+	/// In a window, before each step. False for scenes that nobody plays.
+	virtual bool takeKeys( const PlayerKeys& ) { return false; }
 
 	/// Length of what happens, s.
 	virtual double duration() const = 0;
@@ -64,6 +76,7 @@ std::unique_ptr<Scene> makeBunnyPile();
 std::unique_ptr<Scene> makeBunnyTear();
 std::unique_ptr<Scene> makeElephants();
 std::unique_ptr<Scene> makeFlowers();
+std::unique_ptr<Scene> makeGamePlayground();
 std::unique_ptr<Scene> makeGlassPane();
 std::unique_ptr<Scene> makeGlobDrop();
 std::unique_ptr<Scene> makeHandScene();
