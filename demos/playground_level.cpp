@@ -71,11 +71,10 @@ SoftOrder soft( const char* name, float cellSize, float density, float youngsMod
 	return order;
 }
 
-/// Stiff until it breaks into shards.
+/// Breaks into shards.
 void makeBrittle( SoftOrder& order, float breakStrain, float shardSize )
 {
 	order.material.damping = 60.0f;
-	order.material.rigidStrain = 0.01f;
 	order.fracture.rule = pliant::BreakRule::Shards;
 	order.fracture.breakStrain = breakStrain;
 	order.fracture.shardSize = shardSize;
@@ -153,7 +152,7 @@ bool PlaygroundLevel::addGrounds()
 		makeBox( { 1, 0.5f, 1 }, { 8, 4, 8 } ), PlaygroundThing::Ground, btVector3( btScalar( -0.7 ), btScalar( 0.25 ), kWalkersLane ) );
 	const pliant::SoftBody* const hump = addThing( soft( "hump", 0.125f, 800, 4.0e5f, kMoss ), makeHump(), PlaygroundThing::Ground,
 		btVector3( btScalar( 0.4 ), btScalar( 0.1 ), kCarsLane ) );
-	pushBlock = addThing( soft( "block", 0.125f, 120, 2.0e5f, kTerracotta ), makeCube( 0.5f, 4 ), PlaygroundThing::PushBlock,
+	pushBlock = addThing( soft( "block", 0.125f, 120, 1.0e5f, kTerracotta ), makeCube( 0.5f, 4 ), PlaygroundThing::PushBlock,
 		btVector3( btScalar( 1.1 ), btScalar( 0.25 ), kWalkersLane ) );
 	return mat != nullptr && crate != nullptr && hump != nullptr && pushBlock != nullptr;
 }
@@ -188,7 +187,7 @@ bool PlaygroundLevel::addDoors()
 		placeAt( kDoorAt, btScalar( 0.95 ), edge - btScalar( 0.12 ) ), 0, kStone );
 	m_stage->addBox( btVector3( btScalar( 0.16 ), btScalar( 1.9 ), btScalar( 0.16 ) ),
 		placeAt( kDoorAt, btScalar( 0.95 ), edge + btScalar( kDoorWidth ) + btScalar( 0.12 ) ), 0, kStone );
-	door = addThing( soft( "door", kDoorThickness, 80, 4.0e5f, kPlum ),
+	door = addThing( soft( "door", kDoorThickness, 80, 1.2e5f, kPlum ),
 		makeBox( { kDoorThickness, kDoorHeight, kDoorWidth }, { 1, 17, 11 } ), PlaygroundThing::Door,
 		btVector3( kDoorAt, bottom + btScalar( kDoorHeight ) / 2, kDoorMiddle ) );
 	if ( door == nullptr )
@@ -255,7 +254,7 @@ bool PlaygroundLevel::addBallOnChain()
 			false );
 		above = link;
 	}
-	ball = addThing( soft( "ball", 0.1f, 200, 2.0e5f, kBrick ), makeSphere( kPlaygroundBall, 3 ), PlaygroundThing::Ball,
+	ball = addThing( soft( "ball", 0.1f, 200, 1.0e5f, kBrick ), makeSphere( kPlaygroundBall, 3 ), PlaygroundThing::Ball,
 		btVector3( kBallAt, y - btScalar( kPlaygroundBall ) / 2 - btScalar( 0.02 ), kCarsLane ) );
 	if ( ball == nullptr )
 	{
@@ -272,9 +271,8 @@ bool PlaygroundLevel::addBallOnChain()
 bool PlaygroundLevel::addWall()
 {
 	const float width = kPlaygroundBricks * kPlaygroundBrick[2], height = kPlaygroundCourses * kPlaygroundBrick[1];
-	SoftOrder order = soft( "wall", 0.12f, 500, 2.0e6f, kTerracotta );
+	SoftOrder order = soft( "wall", 0.12f, 500, 1.0e6f, kTerracotta );
 	order.material.damping = 60.0f;
-	order.material.rigidStrain = 0.01f;
 	order.insideColour = kStone; // mortar
 	pliant::SoftBody* const wall = addThing( order,
 		makeBox( { kPlaygroundBrick[0], height, width }, { 1, 2 * kPlaygroundCourses, 4 * kPlaygroundBricks } ), PlaygroundThing::Wall,
@@ -307,8 +305,8 @@ bool PlaygroundLevel::addWall()
 
 bool PlaygroundLevel::addBreakables()
 {
-	SoftOrder crate = soft( "crate", 0.125f, 120, 1.0e6f, kOak );
-	makeBrittle( crate, 0.01f, 0.25f );
+	SoftOrder crate = soft( "crate", 0.125f, 120, 2.8e5f, kOak );
+	makeBrittle( crate, 0.02f, 0.25f );
 	const pliant_glue::ModelMesh box = makeCube( float( kCrateEdge ), 4 );
 	for ( int k = 0; k < 3; ++k )
 	{
@@ -319,8 +317,8 @@ bool PlaygroundLevel::addBreakables()
 			return false;
 		}
 	}
-	SoftOrder vase = soft( "vase", 0.045f, 1000, 2.0e6f, kTeal );
-	makeBrittle( vase, 0.02f, 0.12f );
+	SoftOrder vase = soft( "vase", 0.045f, 1000, 3.0e5f, kTeal );
+	makeBrittle( vase, 0.04f, 0.12f );
 	vase.insideColour = kOchre;
 	const pliant_glue::ModelMesh mesh = makeVessel(
 		{ { 0.13f, 0 }, { 0.18f, 0.13f }, { 0.23f, 0.3f }, { 0.20f, 0.44f }, { 0.13f, 0.56f }, { 0.16f, 0.64f } }, 0.05f, 0.03f, 48 );
@@ -330,7 +328,7 @@ bool PlaygroundLevel::addBreakables()
 bool PlaygroundLevel::addFlag()
 {
 	const btScalar z = kWalkersLane - btScalar( 1.1 );
-	SoftOrder order = soft( "flag", 0.05f, 60, 5.0e4f, kBrick );
+	SoftOrder order = soft( "flag", 0.05f, 60, 2.0e4f, kBrick );
 	order.material.damping = 5.0f;
 	flag = addThing( order, makeFlag(), PlaygroundThing::Flag, btVector3( kFlagAt, kFlagTop - btScalar( 0.4 ), z ) );
 	if ( flag == nullptr )
