@@ -1,5 +1,6 @@
 #include "demos/story.h"
 
+#include <cmath>
 #include <cstdio>
 
 namespace pliant_demos {
@@ -29,7 +30,7 @@ std::vector<std::string> Story::failures() const
 	std::vector<std::string> sentences;
 	for ( const Point& point : m_points )
 	{
-		if ( !( point.found >= point.least && point.found <= point.most ) )
+		if ( !( point.found >= point.least && point.found <= point.most && std::isfinite( point.found ) ) )
 		{
 			char numbers[96];
 			std::snprintf( numbers, sizeof( numbers ), "%.4g instead of %.4g to %.4g", point.found, point.least, point.most );

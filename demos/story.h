@@ -28,7 +28,6 @@ public:
 	void atLeast( const std::string& what, double found, double least );
 	void atMost( const std::string& what, double found, double most );
 
-	bool isEmpty() const { return m_points.empty(); }
 	/// A row for each point: what was found, and what is wanted.
 	FindingTable table() const;
 	/// A sentence for each point that did not come about.
