@@ -203,9 +203,8 @@ private:
 
 	void moveCamera()
 	{
-		const double wanted = m_triggeredAt < 0 || ( m_isPlayed && !m_drivesCar ) ? double( m_walker->foot().x() )
-			: m_isPlayed                                                          ? double( m_car->position().x() )
-						 : 0.5 * double( m_walker->foot().x() + m_car->position().x() );
+		const double walker = double( m_walker->foot().x() ), car = double( m_car->position().x() );
+		const double wanted = m_isPlayed ? ( m_drivesCar ? car : walker ) : m_triggeredAt < 0 ? walker : 0.5 * ( walker + car );
 		m_look += 0.03f * ( float( wanted ) - m_look );
 		m_seconds += 1.0 / 60.0;
 	}
