@@ -95,19 +95,25 @@ public:
 		order.colour = kOak;
 		order.insideColour = { 0.75f, 0.55f, 0.30f };
 		m_table = stage.addSoft( order );
+		for ( int k = 0; k < 2; ++k ) // they lie behind the viewer until they are shot
+		{
+			m_ball[k] = stage.addSphere( kShotSize, btVector3( btScalar( k ), kShotSize / 2, 6 ), kShotMass, kSlate );
+			m_ball[k]->setCcdMotionThreshold( kShotSize / 2 );
+			m_ball[k]->setCcdSweptSphereRadius( kShotSize / 4 );
+		}
 		return m_table != nullptr && addLoad( stage );
 	}
 
-	void beforeStep( Stage& stage, double seconds ) override
+	void beforeStep( Stage&, double seconds ) override
 	{
 		if ( m_shots < 2 && seconds >= kShots[m_shots] )
 		{
 			const btScalar side = m_shots == 0 ? -1 : 1, x = side * btScalar( kTopLength - kLeg ) / 2;
-			btRigidBody* const ball = stage.addSphere(
-				kShotSize, btVector3( x - side * btScalar( 0.25 ), kShotHeight, btScalar( 1.6 ) ), kShotMass, kSlate );
+			btRigidBody* const ball = m_ball[m_shots];
+			ball->setWorldTransform(
+				btTransform( btQuaternion::getIdentity(), btVector3( x - side * btScalar( 0.25 ), kShotHeight, btScalar( 1.6 ) ) ) );
 			ball->setLinearVelocity( btVector3( side * btScalar( 0.19 ), btScalar( 0.03 ), -1 ) * kShotSpeed );
-			ball->setCcdMotionThreshold( kShotSize / 2 );
-			ball->setCcdSweptSphereRadius( kShotSize / 4 );
+			ball->activate();
 			++m_shots;
 		}
 	}
@@ -179,7 +185,7 @@ private:
 	}
 
 	pliant::SoftBody *m_table = nullptr, *m_jelly = nullptr;
-	btRigidBody *m_box = nullptr, *m_upper = nullptr;
+	btRigidBody *m_box = nullptr, *m_upper = nullptr, *m_ball[2] = {};
 	int m_shots = 0, m_brokenBefore = 0;
 	double m_lowestBefore = 10;
 };
