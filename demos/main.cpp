@@ -61,7 +61,8 @@ void describe( CLI::App& app, Arguments& to )
 	app.add_option( "--substeps", to.run.stage.softSubsteps, "Soft substeps a step; 0: the world's default" )->check( CLI::Range( 0, 64 ) );
 	app.footer(
 		"In the window: left button grabs, right turns, middle shifts, wheel zooms. With C held, soft bodies are cut along the way of the "
-		"mouse, through all that lies under it. Esc closes it." );
+		"mouse, through all that lies under it. Esc closes it. The scene game_playground is played: W A S D or the arrows walk and drive, "
+		"space jumps and brakes, Tab changes between the character and the car." );
 	app.add_option( "--models", to.run.stage.modelFolder, "Folder made by demos/fetch_models.sh" )->capture_default_str();
 }
 

@@ -25,6 +25,7 @@ public:
 	bool isGood() const { return m_isGood; }
 	Stage& stage() { return m_stage; }
 	const Stage& stage() const { return m_stage; }
+	Scene& scene() { return *m_scene; }
 	const Scene& scene() const { return *m_scene; }
 	/// The main stage first.
 	std::vector<Stage*> stages();

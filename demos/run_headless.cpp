@@ -58,7 +58,7 @@ public:
 		m_wholeSeconds = secondsSince( begin );
 		m_frames = frames;
 		printTable();
-		return writeSummary() && m_play->quarantined() == 0 ? 0 : 1;
+		return writeSummary() && m_play->quarantined() == 0 && cameAbout( frames ) ? 0 : 1;
 	}
 
 private:
@@ -176,6 +176,7 @@ private:
 		{
 			print( table );
 		}
+		print( m_play->scene().story( stage ).table() );
 		std::printf( "  whole run %.1f s: building bodies %.2f, steps %.2f, drawing and writing %.2f\n", m_wholeSeconds, m_buildSeconds,
 			log.wallSeconds(), m_drawSeconds );
 		std::printf( "  state hash %016" PRIx64 "\n", m_play->stateHash() );
@@ -204,6 +205,7 @@ private:
 	{
 		std::vector<FindingTable> tables = m_play->scene().findings( m_play->stage() );
 		tables.push_back( stagesTable() );
+		tables.push_back( m_play->scene().story( m_play->stage() ).table() );
 		nlohmann::json all = nlohmann::json::object();
 		for ( const FindingTable& table : tables )
 		{
@@ -216,6 +218,21 @@ private:
 			}
 		}
 		return all;
+	}
+
+	/// Of a scene that has run its whole length: what it shows has happened.
+	bool cameAbout( int frames ) const
+	{
+		if ( frames < m_play->film( m_settings.framesPerSecond, 0 ).frames )
+		{
+			return true;
+		}
+		const std::vector<std::string> failures = m_play->scene().story( m_play->stage() ).failures();
+		for ( const std::string& failure : failures )
+		{
+			std::fprintf( stderr, "%s went wrong: %s\n", m_entry.name, failure.c_str() );
+		}
+		return failures.empty();
 	}
 
 	bool writeSummary() const

@@ -133,6 +133,7 @@ public:
 		m_panel.sliders = { { "stiffness x", &m_knobs.stiffness, 0.1f, 10.0f, true }, { "damping x", &m_knobs.damping, 0.0f, 10.0f, false },
 			{ "gravity, m/s2", &m_knobs.gravity, 0.0f, 20.0f, false }, { "substeps", &m_knobs.substeps, 1.0f, 16.0f, false } };
 		m_list.camera = m_life->play().scene().camera( 0 );
+		m_followed = m_list.camera.target;
 		while ( m_window->takeInput( m_list.camera ) && ( m_settings.frames == 0 || m_pictures < m_settings.frames ) )
 		{
 			if ( m_panel.restart && !restart() )
@@ -141,6 +142,7 @@ public:
 			}
 			m_life->turn( m_knobs );
 			useMouse();
+			useKeys();
 			advance();
 			show();
 			++m_pictures;
@@ -186,6 +188,23 @@ private:
 		{
 			m_life->blade().lift();
 		}
+	}
+
+	/// The camera of a scene that is played goes along with it.
+	void useKeys()
+	{
+		const pliant_glue::WindowKeys held = m_window->keys();
+		const Play& play = m_life->play();
+		const pliant_glue::Vec3 target = play.scene().camera( play.seconds() ).target;
+		if ( m_life->play().scene().takeKeys( { held.ahead, held.aside, held.space, held.tab } ) )
+		{
+			for ( std::size_t k = 0; k < 3; ++k )
+			{
+				m_list.camera.eye[k] += target[k] - m_followed[k];
+				m_list.camera.target[k] += target[k] - m_followed[k];
+			}
+		}
+		m_followed = target;
 	}
 
 	void advance()
@@ -234,6 +253,7 @@ private:
 	std::unique_ptr<Life> m_life;
 	pliant_glue::WindowPanel m_panel;
 	pliant_glue::DrawList m_list;
+	pliant_glue::Vec3 m_followed = {}; ///< where the scene's camera looked before
 	Knobs m_knobs;
 	double m_unspent = 0;
 	bool m_wasDown = false;

@@ -3,6 +3,7 @@
 // A demo scene: what stands where, what happens while it runs, and where the eye is.
 
 #include "demos/stage.h"
+#include "demos/story.h"
 
 #include <memory>
 #include <string>
@@ -10,17 +11,13 @@
 
 namespace pliant_demos {
 
-/// What a scene has measured: rows of numbers under headings.
-struct FindingTable
+/// What a player holds down.
+struct PlayerKeys
 {
-	struct Row
-	{
-		std::string name;
-		std::vector<double> values; ///< one a column
-	};
-	std::string caption;
-	std::vector<std::string> columns;
-	std::vector<Row> rows;
+	float ahead = 0, aside = 0; ///< -1 to 1; aside: to the right
+	bool jump = false, change = false;
+
+	bool isAny() const { return ahead != 0 || aside != 0 || jump || change; }
 };
 
 class Scene
@@ -43,6 +40,11 @@ public:
 
 	/// After the last step, for the table and summary.json.
 	virtual std::vector<FindingTable> findings( const Stage& ) const { return {}; }
+	/// What must have happened once the scene has run its whole length.
+	virtual Story story( const Stage& ) const { return {}; }
+
+	/// In a window, before each step. False for scenes that nobody plays.
+	virtual bool takeKeys( const PlayerKeys& ) { return false; }
 
 	/// Length of what happens, s.
 	virtual double duration() const = 0;
@@ -74,11 +76,13 @@ std::unique_ptr<Scene> makeBunnyPile();
 std::unique_ptr<Scene> makeBunnyTear();
 std::unique_ptr<Scene> makeElephants();
 std::unique_ptr<Scene> makeFlowers();
+std::unique_ptr<Scene> makeGamePlayground();
 std::unique_ptr<Scene> makeGlassPane();
 std::unique_ptr<Scene> makeGlobDrop();
 std::unique_ptr<Scene> makeHandScene();
 std::unique_ptr<Scene> makeHeavyOnSoft();
 std::unique_ptr<Scene> makeHello();
+std::unique_ptr<Scene> makeIceFloe();
 std::unique_ptr<Scene> makeLiverCut();
 std::unique_ptr<Scene> makePlank();
 std::unique_ptr<Scene> makePlasticBlock();
@@ -88,6 +92,7 @@ std::unique_ptr<Scene> makeSlope();
 std::unique_ptr<Scene> makeSoftStack();
 std::unique_ptr<Scene> makeSphereCrack();
 std::unique_ptr<Scene> makeStack();
+std::unique_ptr<Scene> makeTable();
 std::unique_ptr<Scene> makeThinFingers();
 std::unique_ptr<Scene> makeVaseShatter();
 

@@ -150,6 +150,24 @@ bool Window::isCutting() const
 	return !ImGui::GetIO().WantCaptureKeyboard && glfwGetKey( m_state->window, GLFW_KEY_C ) == GLFW_PRESS;
 }
 
+WindowKeys Window::keys() const
+{
+	WindowKeys keys;
+	if ( ImGui::GetIO().WantCaptureKeyboard )
+	{
+		return keys;
+	}
+	const auto isDown = [this]( int key ) { return glfwGetKey( m_state->window, key ) == GLFW_PRESS; };
+	const auto axis = [&]( int more, int orMore, int less, int orLess ) {
+		return float( isDown( more ) || isDown( orMore ) ) - float( isDown( less ) || isDown( orLess ) );
+	};
+	keys.ahead = axis( GLFW_KEY_W, GLFW_KEY_UP, GLFW_KEY_S, GLFW_KEY_DOWN );
+	keys.aside = axis( GLFW_KEY_D, GLFW_KEY_RIGHT, GLFW_KEY_A, GLFW_KEY_LEFT );
+	keys.space = isDown( GLFW_KEY_SPACE );
+	keys.tab = isDown( GLFW_KEY_TAB );
+	return keys;
+}
+
 MouseRay Window::mouseRay( const DrawCamera& camera ) const
 {
 	int w = 1, h = 1; // the cursor counts in window units, which need not be pixels

@@ -37,6 +37,13 @@ struct MouseRay
 	Vec3 direction; ///< unit length
 };
 
+/// What is held down of the keys that a game has.
+struct WindowKeys
+{
+	float ahead = 0, aside = 0; ///< W or up 1, S or down -1; D or right 1, A or left -1
+	bool space = false, tab = false;
+};
+
 class Window
 {
 public:
@@ -52,6 +59,8 @@ public:
 	bool isGrabbing() const;
 	/// Held key C, while nothing is typed into the panel.
 	bool isCutting() const;
+	/// None while something is typed into the panel.
+	WindowKeys keys() const;
 	MouseRay mouseRay( const DrawCamera& camera ) const;
 
 	/// Between the last two calls of takeInput.

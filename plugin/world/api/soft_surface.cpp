@@ -224,7 +224,8 @@ void SoftBody::Impl::skinInFull( TaskRunner* runner ) const
 	}
 }
 
-// A copy of the shown skin where that is up to date. It is not shown itself: its buffers are the game's until the step after next.
+// Not a copy of the shown skin: that may be of a step before (setSurfaceTolerance) or lie between two (setInterpolation), and what a query
+// meets must not depend on what has been drawn.
 bool SoftBody::Impl::placeDrawn( std::vector<float>& positions, std::vector<float>& normals, SkinTriangles& triangles ) const
 {
 	const SkinBinding& shown = binding();
@@ -232,17 +233,6 @@ bool SoftBody::Impl::placeDrawn( std::vector<float>& positions, std::vector<floa
 	if ( shown.kind == Skinning::None || triangles.count == 0 )
 	{
 		return false;
-	}
-	if ( !skin.isStale )
-	{
-		positions = skin.positions[skin.current];
-		normals = skin.normals[skin.current];
-		const btVector3 shift = skin.origin[skin.current] - worldOrigin();
-		for ( std::size_t i = 0; i < positions.size() && !shift.isZero(); ++i )
-		{
-			positions[i] += float( shift[int( i % 3 )] );
-		}
-		return true;
 	}
 	SkinPose pose = skinPose();
 	if ( pose.fade )

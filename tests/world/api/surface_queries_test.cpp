@@ -126,6 +126,36 @@ TEST( SurfaceQueries, CostNothingWhereNothingAsks )
 	EXPECT_GT( soft->impl().queried->surface().bytes(), 0u );
 }
 
+// A skin may be that of a step before (surfaceTolerance), or lie between two steps (setInterpolation). A query meets the body where it is:
+// else a game's physics would depend on when it draws.
+TEST( SurfaceQueries, DoNotDependOnWhatHasBeenDrawn )
+{
+	const btVector3 from( 0, 2, 0 ), to( 0, -2, 0 );
+	const auto fractions = [&]( bool isDrawn, bool isInterpolated ) {
+		TestWorld t;
+		t.world.setGravity( btVector3( 0, 0, 0 ) );
+		SoftBody* const soft = t.addSoft( made( test::makeBox( { -0.5, -0.3, -0.4 }, { 0.5, 0.3, 0.4 } ) ), at( 0, 0, 0 ) );
+		soft->setInterpolation( isInterpolated );
+		EXPECT_TRUE( soft->setLinearVelocity( btVector3( 0, btScalar( 0.03 ), 0 ) ).ok() ); // 0.005 cells a step
+		std::vector<btScalar> found;
+		for ( int k = 0; k < 6; ++k )
+		{
+			t.run( 1 );
+			t.world.setInterpolationFraction( btScalar( 0.5 ) );
+			isDrawn ? static_cast<void>( soft->surface() ) : static_cast<void>( 0 );
+			test::NodeRay ray( from, to, *soft );
+			t.world.rayTest( from, to, ray );
+			EXPECT_TRUE( ray.hasHit() );
+			found.push_back( ray.m_closestHitFraction );
+		}
+		return found;
+	};
+	const std::vector<btScalar> expected = fractions( false, false );
+	EXPECT_LT( expected.back(), expected.front() );
+	EXPECT_EQ( fractions( true, false ), expected );
+	EXPECT_EQ( fractions( true, true ), expected );
+}
+
 TEST( SurfaceQueries, MeetABentBody )
 {
 	TestWorld t;

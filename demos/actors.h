@@ -1,0 +1,64 @@
+#pragma once
+
+// What a player moves: a character and a car, Bullet's own, in a world with soft bodies.
+
+#include "demos/stage.h"
+
+#include <pliant/vehicle_raycaster.h>
+
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
+#include <BulletDynamics/Character/btKinematicCharacterController.h>
+#include <BulletDynamics/Vehicle/btRaycastVehicle.h>
+
+namespace pliant_demos {
+
+/// A character that walks, steps up and jumps. The world needs a btGhostPairCallback.
+class Walker
+{
+public:
+	Walker( btDiscreteDynamicsWorld& world, const btVector3& foot );
+	~Walker();
+	Walker( const Walker& ) = delete;
+	Walker& operator=( const Walker& ) = delete;
+
+	btVector3 foot() const;
+	bool isOnGround() const { return m_character.onGround(); }
+	/// m/s, along the ground; until the next call.
+	void walk( const btVector3& velocity );
+	/// m/s, upwards; ignored in the air.
+	void jump( btScalar speed );
+	void draw( pliant_glue::DrawList& list ) const;
+
+private:
+	btDiscreteDynamicsWorld& m_world;
+	btCapsuleShape m_capsule;
+	btPairCachingGhostObject m_ghost;
+	btKinematicCharacterController m_character;
+	btVector3 m_heading = btVector3( 1, 0, 0 );
+};
+
+/// A car of 400 kg, 2 m long, whose wheels press on soft bodies.
+class Car
+{
+public:
+	/// Its wheels stand on the ground at `place`; forward is its z.
+	Car( Stage& stage, const btTransform& place, const pliant_glue::Colour& colour );
+	~Car();
+	Car( const Car& ) = delete;
+	Car& operator=( const Car& ) = delete;
+
+	btRigidBody* chassis() const { return m_chassis; }
+	btVector3 position() const { return m_chassis->getWorldTransform().getOrigin(); }
+	/// Until the next call. `force`: N, of all wheels; `brake`: N s a step, of each wheel; `steer`: rad, to the left.
+	void drive( btScalar force, btScalar brake, btScalar steer );
+	void draw( pliant_glue::DrawList& list ) const;
+
+private:
+	btDiscreteDynamicsWorld& m_world;
+	pliant::VehicleRaycaster m_caster;
+	btRigidBody* m_chassis;
+	btRaycastVehicle::btVehicleTuning m_tuning;
+	btRaycastVehicle m_vehicle;
+};
+
+} // namespace pliant_demos
