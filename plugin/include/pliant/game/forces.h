@@ -63,6 +63,7 @@ protected:
 	static constexpr int kAcceleration = 1; ///< acceleration()
 	static constexpr int kSurfaceForce = 2; ///< surfaceForce()
 	static constexpr int kVolumeForce = 4;  ///< volumeForce()
+	/// `kinds`: the sum of the constants above of what the class implements; the other functions are never called.
 	explicit ForceField( int kinds ) : m_kinds( kinds ) {}
 
 private:
@@ -157,7 +158,7 @@ enum class GasLaw : int
 /// Gas in the cavities of a hollow body (SoftBody::setGas). Values out of range are refused (BadSettings).
 struct Gas
 {
-	GasLaw law = GasLaw::None;
+	GasLaw law = GasLaw::None;             ///< how the pressure follows the volume; default: no gas
 	btScalar pressure = btScalar( 0 );     ///< above that outside, Pa, -1e9 to 1e9; with GasLaw::Ideal above -outside
 	btScalar outside = btScalar( 101325 ); ///< pressure outside, Pa, 0 to 1e9; matters to GasLaw::Ideal only
 };

@@ -28,6 +28,7 @@ struct NearestPoint
 class PLIANT_API SurfaceQuery
 {
 public:
+	/// Copies the surface as it is now; the body may end before.
 	explicit SurfaceQuery( const SoftBody& body );
 	~SurfaceQuery();
 	SurfaceQuery( const SurfaceQuery& ) = delete;
