@@ -23,7 +23,7 @@ constexpr float kIceDensity = 850.0f;                                           
 constexpr btScalar kWaterDensity = 1000;                                              // kg/m^3
 constexpr btScalar kWaterLevel = btScalar( 1.6 );                                     // m
 constexpr btScalar kIron = btScalar( 0.55 ), kIronMass = 320;                         // m, kg: hollow
-constexpr double kFallsAt = 2.0;                                                      // s
+constexpr double kThrownAt = 2.0;                                                     // s
 constexpr btScalar kFall = btScalar( 3 );                                             // m, over the water
 constexpr btScalar kCrateSize = btScalar( 0.4 ), kCrateMass = 30;                     // m, kg
 constexpr int kIceCrumb = 3;                                                          // cells
@@ -151,7 +151,7 @@ public:
 
 	void beforeStep( Stage& stage, double seconds ) override
 	{
-		if ( !m_falls && seconds >= kFallsAt )
+		if ( !m_falls && seconds >= kThrownAt )
 		{
 			m_falls = true;
 			m_ball->setGravity( stage.world().getGravity() );
@@ -161,7 +161,7 @@ public:
 	void afterStep( Stage& stage, double seconds ) override
 	{
 		ShardScene::afterStep( stage, seconds );
-		if ( seconds < kFallsAt )
+		if ( seconds < kThrownAt )
 		{
 			m_brokenBefore += stage.world().stepReport().brokenLinks;
 			m_heightBefore = double( m_floe->massCentre().y() - kWaterLevel );

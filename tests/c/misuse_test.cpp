@@ -2,6 +2,11 @@
 
 #include "c/misuse.h"
 
+#include "pliant/c/mix.h"
+#include "pliant/soft_body.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+
 namespace pliant {
 namespace {
 
@@ -259,6 +264,38 @@ TEST( CMisuse, Attachments )
 	EXPECT_EQ( force.y, 0 );
 	ASSERT_EQ( pliant_world_get_attachment_count( w, &made ), PLIANT_OK );
 	EXPECT_EQ( made, 0 );
+}
+
+TEST( CMisuse, CallsThatMixTheFaces )
+{
+	MisuseScene scene;
+	{
+		SCOPED_TRACE( "wrapWorld" );
+		EXPECT_EQ( wrapWorld( *hostOf( scene.world ), nullptr ), PLIANT_BAD_ARGUMENT );
+	}
+	{
+		SCOPED_TRACE( "wrapTemplate" );
+		pliant_template* made = nullptr;
+		EXPECT_EQ( wrapTemplate( nullptr, &made ), PLIANT_BAD_ARGUMENT );
+		EXPECT_EQ( made, nullptr );
+	}
+	{
+		SCOPED_TRACE( "hostOf" );
+		EXPECT_EQ( hostOf( nullptr ), nullptr );
+	}
+	{
+		SCOPED_TRACE( "objectOf" );
+		EXPECT_EQ( objectOf( nullptr, scene.soft ), nullptr );
+		EXPECT_EQ( objectOf( scene.world, scene.goneSoft ), nullptr );
+		EXPECT_EQ( objectOf( scene.world, ~pliant_id( 0 ) ), nullptr );
+	}
+	{
+		SCOPED_TRACE( "idOf" );
+		const btCollisionObject alone;
+		EXPECT_EQ( idOf( nullptr, &alone ), 0u );
+		EXPECT_EQ( idOf( scene.world, nullptr ), 0u );
+		EXPECT_EQ( idOf( scene.world, &alone ), 0u );
+	}
 }
 
 } // namespace

@@ -1,10 +1,13 @@
-// Impacts that will deform bodies in their rigid state. They are found a step ahead, so that the body meets them deformable.
+// What bodies in their rigid state meet: impacts that will deform them, which are found a step ahead, so that the body meets them
+// deformable; and neighbours that their hulls overlap.
 
 #include "body/rigid_state.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 #include "world/step/soft_body_system.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
+#include <LinearMath/btAabbUtil2.h>
 
 #include <algorithm>
 
@@ -38,13 +41,29 @@ Motion motionOf( const btCollisionObject& object )
 				 : Motion{ object.getWorldTransform().getOrigin(), zero, zero };
 }
 
-/// An upper bound of the velocity of any point of the object, m/s.
-btScalar fastest( const btCollisionObject& object, const Motion& motion )
+/// The largest velocity that an object's rotation gives to one of its points, m/s.
+btScalar fastestTurn( const btCollisionObject& object, const Motion& motion )
 {
 	btVector3 centre;
 	btScalar radius;
 	object.getCollisionShape()->getBoundingSphere( centre, radius );
-	return motion.velocity.length() + motion.angularVelocity.length() * ( radius + centre.length() );
+	return motion.angularVelocity.length() * ( radius + centre.length() );
+}
+
+/// An upper bound of the velocity of any point of the object, m/s.
+btScalar fastest( const btCollisionObject& object, const Motion& motion )
+{
+	return motion.velocity.length() + fastestTurn( object, motion );
+}
+
+/// Whether the boxes of two objects come within `reach`, m, of each other.
+bool comeNear( const btCollisionObject& a, const btCollisionObject& b, btScalar reach )
+{
+	btVector3 lowA, highA, lowB, highB;
+	a.getCollisionShape()->getAabb( a.getWorldTransform(), lowA, highA );
+	b.getCollisionShape()->getAabb( b.getWorldTransform(), lowB, highB );
+	const btVector3 around( reach, reach, reach );
+	return TestAabbAgainstAabb2( lowA - around, highA + around, lowB, highB );
 }
 
 btScalar massOf( const btCollisionObject& object )
@@ -75,6 +94,35 @@ struct FastContact : btCollisionWorld::ContactResultCallback
 	}
 };
 
+struct DeepestContact : btCollisionWorld::ContactResultCallback
+{
+	btScalar depth = 0; ///< m
+
+	btScalar addSingleResult(
+		btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int ) override
+	{
+		depth = btMax( depth, -point.getDistance() );
+		return 0;
+	}
+};
+
+/// Tests a body's hulls against another object; of a deformable body against its spheres: what is drawn of it, as cracks are, must not
+/// decide on the motion.
+void testContact( btCollisionWorld& world, SoftBody& body, btCollisionObject& other, btCollisionWorld::ContactResultCallback& contact )
+{
+	const SoftBody* const soft = asSoftBody( &other );
+	if ( !soft || soft->impl().rigidProxy )
+	{
+		world.contactPairTest( &body, &other, contact );
+		return;
+	}
+	btCollisionObject spheres;
+	soft->impl().shape->freshen( nullptr );
+	spheres.setCollisionShape( soft->impl().shape.get() );
+	spheres.setWorldTransform( other.getWorldTransform() );
+	world.contactPairTest( &body, &spheres, contact );
+}
+
 struct Overlaps : btBroadphaseAabbCallback
 {
 	std::vector<btCollisionObject*> found;
@@ -96,24 +144,45 @@ btScalar largestApproach( const SoftBody& body, const btCollisionObject& other )
 
 } // namespace
 
+bool SoftBodySystem::mayTouch( SoftBody& body, btCollisionObject& other )
+{
+	return body.hasContactResponse() && other.hasContactResponse() && m_dispatcher.needsCollision( &body, &other ) &&
+		m_world.getPairCache()->needsBroadphaseCollision( body.getBroadphaseHandle(), other.getBroadphaseHandle() );
+}
+
+bool SoftBodySystem::overlapsNeighbours( SoftBody& body )
+{
+	btVector3 low, high;
+	body.getCollisionShape()->getAabb( body.getWorldTransform(), low, high );
+	Overlaps overlaps;
+	m_world.getBroadphase()->aabbTest( low, high, overlaps );
+	DeepestContact contact;
+	for ( btCollisionObject* other : overlaps.found )
+	{
+		if ( other != &body && mayTouch( body, *other ) && comeNear( body, *other, 0 ) )
+		{
+			testContact( m_world, body, *other, contact );
+		}
+	}
+	return contact.depth > kRigidOverlap * body.impl().shape->smallestRadius();
+}
+
 void SoftBodySystem::forecastImpact( SoftBody& body, btCollisionObject& other, btScalar h )
 {
-	if ( body.impl().mustDeform || !body.hasContactResponse() || !other.hasContactResponse() ||
-		!m_dispatcher.needsCollision( &body, &other ) ||
-		!m_world.getPairCache()->needsBroadphaseCollision( body.getBroadphaseHandle(), other.getBroadphaseHandle() ) )
+	if ( body.impl().mustDeform || !mayTouch( body, other ) )
 	{
 		return;
 	}
 	const Motion own = motionOf( body ), others = motionOf( other );
 	const btScalar limit = largestApproach( body, other );
-	const btScalar bound = fastest( body, own ) + fastest( other, others );
-	if ( bound <= limit )
+	const btScalar bound = ( own.velocity - others.velocity ).length() + fastestTurn( body, own ) + fastestTurn( other, others );
+	if ( bound <= limit || !comeNear( body, other, bound * h ) )
 	{
 		return;
 	}
 	FastContact contact( own, others, h, limit );
 	contact.m_closestDistanceThreshold = bound * h;
-	m_world.contactPairTest( &body, &other, contact );
+	testContact( m_world, body, other, contact );
 	if ( contact.isFound )
 	{
 		body.impl().mustDeform = true;

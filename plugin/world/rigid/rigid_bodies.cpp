@@ -134,6 +134,12 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 		{
 			impl.rigidLoad = RigidLoad{ 0.0, 0.0, loadOn( *body ) };
 			impl.becomeRigid( *body );
+			if ( overlapsNeighbours( *body ) ) // hulls of bent bodies hold more than their spheres, and would throw the neighbours
+			{
+				impl.becomeDeformable( *body );
+				impl.rigidWait = kRigidBlocked;
+				continue;
+			}
 			removeContacts( *body );
 		}
 	}

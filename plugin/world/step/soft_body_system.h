@@ -214,6 +214,9 @@ private:
 	bool canBeRigid( const SoftBody& body ) const;
 	double loadOn( const SoftBody& body ) const; ///< sum of the contact forces on a deformable body, N
 	void forecastImpacts( btScalar h );
+	bool mayTouch( SoftBody& body, btCollisionObject& other );
+	/// Whether the hulls of a body in its rigid state are deep in another object.
+	bool overlapsNeighbours( SoftBody& body );
 	void forecastImpact( SoftBody& body, btCollisionObject& other, btScalar h );
 	void accelerateRigid( btScalar h );
 	void integrateRigid( btScalar h );

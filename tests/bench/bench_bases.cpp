@@ -1,0 +1,76 @@
+// What a world that may hold soft bodies costs a scene without any, beside the world of Bullet's that it is over: the fourteen rigid scenes
+// of the tests, both worlds in turn. Counters: the medians over repetitions of a whole scene's steps, us a step, and their ratio, all
+// scenes together.
+
+#include "support/bullet_worlds.h"
+#include "support/rigid_scenes.h"
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <vector>
+
+namespace pliant {
+namespace {
+
+constexpr int kSteps = 300, kRepetitions = 7;
+
+/// Returns the time of a scene's steps, us a step.
+template <class Base, class World>
+double timeOf( const test::Kind& kind )
+{
+	test::PartsOf<Base> parts;
+	const std::unique_ptr<World> world = parts.template make<World>();
+	test::Scene scene( *world );
+	kind.build( scene );
+	const auto begin = std::chrono::steady_clock::now();
+	for ( int frame = 0; frame < kSteps; ++frame )
+	{
+		if ( scene.everyFrame )
+		{
+			scene.everyFrame( scene, frame );
+		}
+		world->stepSimulation( test::kFrame, 2, test::kFrame );
+	}
+	return std::chrono::duration<double, std::micro>( std::chrono::steady_clock::now() - begin ).count() / kSteps;
+}
+
+double medianOfTimes( std::vector<double>& times )
+{
+	std::nth_element( times.begin(), times.begin() + std::ptrdiff_t( times.size() / 2 ), times.end() );
+	return times[times.size() / 2];
+}
+
+template <class Base>
+void rigidScenes( benchmark::State& state )
+{
+	double theirs = 0.0, ours = 0.0;
+	for ( auto _ : state )
+	{
+		for ( const test::Kind& kind : test::kRigidKinds )
+		{
+			std::vector<double> times[2];
+			for ( int k = 0; k < kRepetitions; ++k )
+			{
+				times[0].push_back( timeOf<Base, Base>( kind ) );
+				times[1].push_back( timeOf<Base, SoftBodyWorldOver<Base>>( kind ) );
+			}
+			theirs += medianOfTimes( times[0] );
+			ours += medianOfTimes( times[1] );
+		}
+	}
+	const double count = double( state.iterations() ) * double( std::size( test::kRigidKinds ) );
+	state.counters["bullet_us"] = theirs / count;
+	state.counters["ours_us"] = ours / count;
+	state.counters["ratio"] = ours / theirs;
+}
+
+BENCHMARK_TEMPLATE( rigidScenes, btDiscreteDynamicsWorld )->Unit( benchmark::kMillisecond );
+BENCHMARK_TEMPLATE( rigidScenes, btDiscreteDynamicsWorldMt )->Unit( benchmark::kMillisecond );
+BENCHMARK_TEMPLATE( rigidScenes, btMultiBodyDynamicsWorld )->Unit( benchmark::kMillisecond );
+BENCHMARK_TEMPLATE( rigidScenes, btSoftRigidDynamicsWorld )->Unit( benchmark::kMillisecond );
+
+} // namespace
+} // namespace pliant
