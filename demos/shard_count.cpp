@@ -46,10 +46,11 @@ FindingTable ShardCount::table( const Stage& stage, const char* name, int smallC
 	const double median = steps.empty() ? 0 : steps[steps.size() / 2], worst = steps.empty() ? 0 : steps.back();
 	return { std::string( "what became of the " ) + name,
 		{ "bodies", "hold 90 % of the mass", "mass in small ones, %", "removed", "broken links", "crack, m^2", "energy, J",
-			"first crack, s", "mass, kg", "median step, ms", "worst step, ms", "worst fracture, ms" },
+			"first crack, s", "mass, kg", "median step, ms", "worst step, ms", "worst fracture, ms", "awake at last" },
 		{ { name,
 			{ double( masses.size() ), double( large ), 100 * small / mass, double( m_removed ), double( m_links ), m_area, m_energy,
-				m_firstCrack, mass, 1e3 * median, 1e3 * worst, 1e3 * m_longestFracture } } } };
+				m_firstCrack, mass, 1e3 * median, 1e3 * worst, 1e3 * m_longestFracture,
+				double( stage.world().stepReport().awakeSoftBodies ) } } } };
 }
 
 } // namespace pliant_demos

@@ -151,9 +151,12 @@ void Body::becomeRigid()
 	{
 		frame.col( 2 ) = -frame.col( 2 );
 	}
+	// Nodes are mass points. Where they are nearly on a line, contacts on the material around them would spin it without end.
 	const double thin = kInertiaFloor * axes.eigenvalues()[2];
+	const double least = kCellInertia * whole.mass * double( m_lattice->cellSize ) * double( m_lattice->cellSize );
 	state.mass = whole.mass;
-	state.moments = axes.eigenvalues().unaryExpr( [thin]( double moment ) { return moment > thin ? moment : 0.0; } );
+	state.moments = axes.eigenvalues().unaryExpr(
+		[thin, least]( double moment ) { return moment > thin ? std::max( moment, least ) : 0.0; } );
 	state.motion.rotation = Eigen::Quaterniond( frame ).normalized();
 	state.motion.centre = m_nodes.origin + whole.centre;
 	state.motion.velocity = whole.momentum / whole.mass;

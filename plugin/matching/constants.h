@@ -20,6 +20,8 @@ inline constexpr double kOpenRotationGap = 1e-7;
 
 /// Floor of a body's inertia where net angular velocity is removed, as a fraction of its largest moment: a rod has none about its own axis.
 inline constexpr double kInertiaFloor = 1e-6;
+/// Moment of inertia of a cell's sphere about its own centre, over its mass and the square of the cell size: ( 2 / 5 ) ( 1 / 2 )^2.
+inline constexpr double kCellInertia = 0.1;
 /// A body that breaks is rigid up to this fraction of the strain at which its weakest link breaks.
 inline constexpr double kRigidBreakFraction = 0.8;
 /// Largest Material::rigidStrain: more could be seen.

@@ -246,7 +246,7 @@ inline constexpr int kLeastHullNodes = 12, kMostHulls = 32;
 /// Game steps: until a new body is tested for its rigid state, between two tests, and for which a body deforms at least.
 inline constexpr int kRigidStart = 2, kRigidRetry = 3, kRigidPause = 6;
 /// A body whose hulls would be deeper in a neighbour than this, in radii of its smallest node sphere, deforms for kRigidBlocked more steps.
-inline constexpr btScalar kRigidOverlap = btScalar( 0.5 );
+inline constexpr btScalar kRigidOverlap = btScalar( 2 );
 inline constexpr int kRigidBlocked = 30;
 /// A body deforms again under more than this multiple of the load, N, that it became rigid under.
 inline constexpr double kRigidLoad = 2.0;

@@ -127,7 +127,7 @@ void SoftBodySystem::wakeUnsupported()
 	for ( SoftBody* body : m_bodies )
 	{
 		const SoftBody::Impl& impl = body->impl();
-		if ( body->getActivationState() == WANTS_DEACTIVATION && impl.wasTouched && impl.touched.empty() )
+		if ( body->getActivationState() == WANTS_DEACTIVATION && impl.wasTouched && impl.touched.empty() && !impl.rigidProxy )
 		{
 			body->activate();
 		}

@@ -72,12 +72,17 @@ void WorldStep::singleStep( btScalar timeStep )
 		m_parts.preTick( &m_parts.world, timeStep );
 	}
 	m_impulses.restoreLastSubstep( *m_parts.dispatcher );
-	bodies.wakeDriven();
-	bodies.deformLoaded( timeStep );
+	double preparation = 0.0; // s
+	{
+		Stopwatch watch( preparation );
+		bodies.wakeDriven();
+		bodies.deformLoaded( timeStep );
+	}
 	m_isStepping = bodies.hasAwakeBody();
 	const bool canSplit = !m_parts.hasOwnSingleStep && !m_parts.hasOwnIslands;
 	const int substeps = bodies.planSubsteps( timeStep, m_parts.rigidBodies, m_parts.constraints, canSplit );
 	bodies.beginStep( timeStep, substeps );
+	bodies.report.total = preparation;
 	{
 		Stopwatch watch( bodies.report.total );
 		makePasses( timeStep, substeps );
@@ -222,6 +227,11 @@ void WorldStep::findPredictiveContacts( btScalar h )
 
 void WorldStep::detect()
 {
+	if ( bodies.isEmpty() )
+	{
+		m_stages.baseDetect();
+		return;
+	}
 	if ( !m_isStepping )
 	{
 		detectWhole();
@@ -255,6 +265,11 @@ void WorldStep::detectWhole()
 
 void WorldStep::findIslands()
 {
+	if ( bodies.isEmpty() )
+	{
+		m_stages.baseFindIslands();
+		return;
+	}
 	bodies.wakeUnsupported();
 	if ( bodies.group.isSplit() )
 	{
@@ -264,10 +279,7 @@ void WorldStep::findIslands()
 	{
 		m_stages.baseFindIslands();
 	}
-	if ( !bodies.isEmpty() )
-	{
-		carryImpulses( m_passLength );
-	}
+	carryImpulses( m_passLength );
 }
 
 void WorldStep::solve( btContactSolverInfo& info )

@@ -1,7 +1,9 @@
 // Material::rigidStrain: bodies that hardly deform move as rigid ones, and deform again when something asks for it.
 
+#include "body/rigid_state.h"
 #include "support/mesh_of_boxes.h"
 #include "support/momentum.h"
+#include "world/bodies/soft_body_impl.h"
 #include "world/test_world.h"
 
 #include <cmath>
