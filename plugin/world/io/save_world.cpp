@@ -57,6 +57,10 @@ void WorldSnapshot::Values::archive( Archive& archive )
 void WorldSnapshot::write( Archive& archive, const SaveSettings& settings )
 {
 	collect( settings );
+	if ( settings.forComparison )
+	{
+		numberManifolds();
+	}
 	writeTemplates( archive, settings.withTemplates );
 	archive( m_entries, m_familySizes, m_cuts );
 	std::uint64_t count = m_records.size();
@@ -231,6 +235,24 @@ WorldSnapshot::PairRecord WorldSnapshot::selfContactsOf( const SoftBody& body )
 {
 	const PairContacts& contacts = *body.impl().self->contacts;
 	return PairRecord{ indexOf( &body ), indexOf( &body ), false, true, contacts.carried(), {}, contactsOf( contacts ) };
+}
+
+// The dispatcher's list has manifolds of others too, such as of a character's ghost; only the order of those that are recorded counts.
+void WorldSnapshot::numberManifolds()
+{
+	std::vector<ManifoldRecord*> all;
+	for ( PairRecord& pair : m_pairs )
+	{
+		for ( ManifoldRecord& contact : pair.contacts )
+		{
+			all.push_back( &contact );
+		}
+	}
+	std::sort( all.begin(), all.end(), []( const ManifoldRecord* a, const ManifoldRecord* b ) { return a->rank < b->rank; } );
+	for ( std::size_t k = 0; k < all.size(); ++k )
+	{
+		all[k]->rank = int( k );
+	}
 }
 
 void WorldSnapshot::collectPairs()

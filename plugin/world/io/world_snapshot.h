@@ -86,6 +86,7 @@ private:
 	void collectAttachments();
 	void collectFrames();
 	void collectPairs();
+	void numberManifolds();
 	PairRecord recordOf( const btBroadphasePair& pair );
 	PairRecord selfContactsOf( const SoftBody& body );
 	std::vector<ManifoldRecord> contactsOf( const PairContacts& contacts );
