@@ -2,8 +2,6 @@
 
 #include "world/io/object_state.h"
 
-#include "world/io/object_state.h"
-
 #include <algorithm>
 #include <functional>
 

@@ -27,13 +27,13 @@ bool isOverloaded( const SoftBody::Impl& impl )
 	return impl.rigidLoad.now > std::max( kRigidLoad * impl.rigidLoad.first, largestLoad( *impl.body ) );
 }
 
-/// Replaces the sides of manifolds for which `standIn( side, manifold )` is not null.
-template <class StandIn>
-void exchangeSides( btDispatcher& dispatcher, const StandIn& standIn )
+/// Replaces the sides of manifolds for which `replacement( side, manifold )` is not null.
+template <class Replacement>
+void exchangeSides( btDispatcher& dispatcher, const Replacement& replacement )
 {
-	forEachManifold( dispatcher, prefetchEnd, [&standIn]( btPersistentManifold& manifold ) {
-		const btCollisionObject* const first = standIn( manifold.getBody0(), manifold );
-		const btCollisionObject* const second = standIn( manifold.getBody1(), manifold );
+	forEachManifold( dispatcher, prefetchEnd, [&replacement]( btPersistentManifold& manifold ) {
+		const btCollisionObject* const first = replacement( manifold.getBody0(), manifold );
+		const btCollisionObject* const second = replacement( manifold.getBody1(), manifold );
 		if ( first || second )
 		{
 			manifold.setBodies( first ? first : manifold.getBody0(), second ? second : manifold.getBody1() );
