@@ -1,17 +1,13 @@
 #include "pliant/fracture.h"
 
 #include "fracture/constants.h"
+#include "lattice/ranges.h"
 
 #include <cmath>
 
 namespace pliant {
 
 namespace {
-
-bool within( float value, float low, float high )
-{
-	return value >= low && value <= high; // false for NaN
-}
 
 Status refuse( const char* sentence )
 {
@@ -20,15 +16,15 @@ Status refuse( const char* sentence )
 
 Status checkShards( const Fracture& fracture )
 {
-	if ( !( fracture.shardSize > 0.0f ) || !within( fracture.shardSize, 0.0f, kLargestShard ) )
+	if ( !( fracture.shardSize > 0.0f ) || !isWithin( fracture.shardSize, 0.0f, kLargestShard ) )
 	{
 		return refuse( "Fracture::shardSize must be above 0 and at most 1e6 m." );
 	}
-	if ( !within( fracture.toughness, 0.0f, kLargestToughness ) )
+	if ( !isWithin( fracture.toughness, 0.0f, kLargestToughness ) )
 	{
 		return refuse( "Fracture::toughness must lie in [0, 1e12] J/m^2." );
 	}
-	if ( !within( fracture.crumbFraction, 0.0f, 1.0f ) )
+	if ( !isWithin( fracture.crumbFraction, 0.0f, 1.0f ) )
 	{
 		return refuse( "Fracture::crumbFraction must lie in [0, 1]." );
 	}
@@ -36,7 +32,7 @@ Status checkShards( const Fracture& fracture )
 	{
 		return refuse( "Fracture::shardPattern must be Scattered or Rings." );
 	}
-	if ( !within( fracture.grainLength, 1.0f, kLongestGrain ) )
+	if ( !isWithin( fracture.grainLength, 1.0f, kLongestGrain ) )
 	{
 		return refuse( "Fracture::grainLength must lie in [1, 100]." );
 	}
@@ -54,23 +50,23 @@ Status checkShards( const Fracture& fracture )
 
 Status check( const Fracture& fracture )
 {
-	if ( fracture.rule < BreakRule::Never || fracture.rule > BreakRule::Shards )
+	if ( !isChoice( fracture.rule, BreakRule::Shards ) )
 	{
 		return refuse( "Fracture::rule must be one of BreakRule." );
 	}
-	if ( !( fracture.breakStrain > 0.0f ) || !within( fracture.breakStrain, 0.0f, kLargestBreakStrain ) )
+	if ( !( fracture.breakStrain > 0.0f ) || !isWithin( fracture.breakStrain, 0.0f, kLargestBreakStrain ) )
 	{
 		return refuse( "Fracture::breakStrain must be above 0 and at most 10." );
 	}
-	if ( !within( fracture.strength, 0.0f, kLargestStrength ) )
+	if ( !isWithin( fracture.strength, 0.0f, kLargestStrength ) )
 	{
 		return refuse( "Fracture::strength must lie in [0, 1e12] Pa." );
 	}
-	if ( !within( fracture.coolDown, 0.0f, kLongestCoolDown ) )
+	if ( !isWithin( fracture.coolDown, 0.0f, kLongestCoolDown ) )
 	{
 		return refuse( "Fracture::coolDown must lie in [0, 10] s." );
 	}
-	if ( !( fracture.growthFraction > 0.0f ) || !within( fracture.growthFraction, 0.0f, 1.0f ) )
+	if ( !( fracture.growthFraction > 0.0f ) || !isWithin( fracture.growthFraction, 0.0f, 1.0f ) )
 	{
 		return refuse( "Fracture::growthFraction must be above 0 and at most 1." );
 	}
@@ -82,11 +78,11 @@ Status check( const Fracture& fracture )
 	{
 		return refuse( "Fracture::smallCells must lie in 0 to 1 000 000." );
 	}
-	if ( fracture.smallPieces < SmallPieces::Keep || fracture.smallPieces > SmallPieces::Remove )
+	if ( !isChoice( fracture.smallPieces, SmallPieces::Remove ) )
 	{
 		return refuse( "Fracture::smallPieces must be one of SmallPieces." );
 	}
-	if ( !( fracture.fadeTime > 0.0f ) || !within( fracture.fadeTime, 0.0f, kLongestFade ) )
+	if ( !( fracture.fadeTime > 0.0f ) || !isWithin( fracture.fadeTime, 0.0f, kLongestFade ) )
 	{
 		return refuse( "Fracture::fadeTime must be above 0 and at most 3600 s." );
 	}
@@ -107,7 +103,7 @@ Status check( const DebrisBudget& budget )
 	{
 		return refuse( "DebrisBudget::maxNodes must lie in 0 to 1 000 000 000." );
 	}
-	if ( !( budget.fadeTime > 0.0f ) || !within( budget.fadeTime, 0.0f, kLongestFade ) )
+	if ( !( budget.fadeTime > 0.0f ) || !isWithin( budget.fadeTime, 0.0f, kLongestFade ) )
 	{
 		return refuse( "DebrisBudget::fadeTime must be above 0 and at most 3600 s." );
 	}

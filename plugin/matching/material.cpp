@@ -1,6 +1,7 @@
 #include "pliant/material.h"
 
 #include "lattice/features.h"
+#include "lattice/ranges.h"
 #include "matching/constants.h"
 #include "matching/stiffness.h"
 
@@ -12,21 +13,9 @@ namespace pliant {
 
 namespace {
 
-bool within( float value, float low, float high )
-{
-	return value >= low && value <= high; // false for NaN
-}
-
 Status refuse( const char* sentence )
 {
 	return Status{ ResultCode::BadMaterial, sentence };
-}
-
-/// False for a number that is none of an enumeration's, as a file or another language may give.
-template <class Choice>
-bool isChoice( Choice value, Choice last )
-{
-	return int( value ) >= 0 && int( value ) <= int( last );
 }
 
 Status checkChoices( const Material& material )
@@ -53,15 +42,15 @@ Status checkChoices( const Material& material )
 
 Status checkFlow( const Material& material )
 {
-	if ( !within( material.yieldStrain, 0.0f, kLargestYieldStrain ) )
+	if ( !isWithin( material.yieldStrain, 0.0f, kLargestYieldStrain ) )
 	{
 		return refuse( "Material::yieldStrain must lie in [0, 10]." );
 	}
-	if ( !( material.plasticCreep > 0.0f ) || !within( material.plasticCreep, 0.0f, kLargestCreep ) )
+	if ( !( material.plasticCreep > 0.0f ) || !isWithin( material.plasticCreep, 0.0f, kLargestCreep ) )
 	{
 		return refuse( "Material::plasticCreep must be above 0 and at most 1e4 1/s." );
 	}
-	if ( !( material.plasticLimit > 0.0f ) || !within( material.plasticLimit, 0.0f, kLargestPlasticLimit ) )
+	if ( !( material.plasticLimit > 0.0f ) || !isWithin( material.plasticLimit, 0.0f, kLargestPlasticLimit ) )
 	{
 		return refuse( "Material::plasticLimit must be above 0 and at most 2." );
 	}
@@ -95,11 +84,11 @@ Status checkFarLevels( const Material& material )
 
 Status checkElasticity( const Material& material )
 {
-	if ( !within( material.rigidStrain, 0.0f, kLargestRigidStrain ) )
+	if ( !isWithin( material.rigidStrain, 0.0f, kLargestRigidStrain ) )
 	{
 		return refuse( "Material::rigidStrain must lie in [0, 0.1]." );
 	}
-	if ( !within( material.numericalDamping, 0.0f, 1.0f ) )
+	if ( !isWithin( material.numericalDamping, 0.0f, 1.0f ) )
 	{
 		return refuse( "Material::numericalDamping must lie in [0, 1]." );
 	}
@@ -145,12 +134,15 @@ Status checkBuild( const Material& material )
 
 Status check( const Material& material )
 {
-	Status choices = checkChoices( material );
-	if ( choices = choices.ok() ? checkBuild( material ) : choices; !choices.ok() )
+	if ( Status status = checkChoices( material ); !status.ok() )
 	{
-		return choices;
+		return status;
 	}
-	if ( !( material.density > 0.0f ) || !within( material.density, 0.0f, kLargestDensity ) )
+	if ( Status status = checkBuild( material ); !status.ok() )
+	{
+		return status;
+	}
+	if ( !( material.density > 0.0f ) || !isWithin( material.density, 0.0f, kLargestDensity ) )
 	{
 		return refuse( "Material::density must be above 0 and at most 1e6 kg/m^3." );
 	}
@@ -158,11 +150,11 @@ Status check( const Material& material )
 	{
 		return refuse( "Material::youngsModulus must be above 0 Pa and finite." );
 	}
-	if ( !( material.alpha > 0.0f ) || !within( material.alpha, 0.0f, kLargestAlpha ) )
+	if ( !( material.alpha > 0.0f ) || !isWithin( material.alpha, 0.0f, kLargestAlpha ) )
 	{
 		return refuse( "Material::alpha must be above 0 and at most 1." );
 	}
-	if ( !within( material.beta, 0.0f, kLargestBeta ) )
+	if ( !isWithin( material.beta, 0.0f, kLargestBeta ) )
 	{
 		return refuse( "Material::beta must lie in [0, 0.95]." );
 	}
@@ -170,15 +162,15 @@ Status check( const Material& material )
 	{
 		return refuse( "Material::regionHalfWidth must lie in 1 to 4 cells." );
 	}
-	if ( !within( material.damping, 0.0f, kLargestDamping ) )
+	if ( !isWithin( material.damping, 0.0f, kLargestDamping ) )
 	{
 		return refuse( "Material::damping must lie in [0, 1000] 1/s." );
 	}
-	if ( !within( material.wobbleDamping, 0.0f, 1.0f ) )
+	if ( !isWithin( material.wobbleDamping, 0.0f, 1.0f ) )
 	{
 		return refuse( "Material::wobbleDamping must lie in [0, 1]." );
 	}
-	if ( !within( material.volumeKeeping, 0.0f, kLargestVolumeKeeping ) )
+	if ( !isWithin( material.volumeKeeping, 0.0f, kLargestVolumeKeeping ) )
 	{
 		return refuse( "Material::volumeKeeping must lie in [0, 2]." );
 	}

@@ -2,6 +2,7 @@
 
 #include "adapt/octree/octree.h"
 #include "lattice/features.h"
+#include "lattice/ranges.h"
 
 #include <cmath>
 
@@ -12,11 +13,6 @@ namespace {
 Status refuse( const char* sentence )
 {
 	return Status{ ResultCode::BadSettings, sentence };
-}
-
-bool isWithin( float value, float low, float high )
-{
-	return std::isfinite( value ) && value >= low && value <= high;
 }
 
 } // namespace
@@ -55,9 +51,8 @@ Status check( const Adaptivity& settings )
 	{
 		return refuse( "Adaptivity: keepMass must be above 0." );
 	}
-	const bool areChoices = settings.regions >= RegionRule::Multiplicity && settings.regions <= RegionRule::Interval &&
-		settings.softening >= Softening::None && settings.softening <= Softening::EnergyTensor && settings.residual >= ResidualRule::Keep &&
-		settings.residual <= ResidualRule::Larger;
+	const bool areChoices = isChoice( settings.regions, RegionRule::Interval ) && isChoice( settings.softening, Softening::EnergyTensor ) &&
+		isChoice( settings.residual, ResidualRule::Larger );
 	if ( !areChoices )
 	{
 		return refuse( "Adaptivity: regions, softening and residual must be values of RegionRule, Softening and ResidualRule." );

@@ -4,6 +4,7 @@
 
 #include "lattice/build/sentence.h"
 #include "lattice/constants.h"
+#include "lattice/ranges.h"
 
 #include <cmath>
 #include <new>
@@ -18,12 +19,6 @@ constexpr int kMaxSamplesPerEdge = 8;
 constexpr float kMaxWeldTolerance = 0.01f;
 constexpr float kMaxMinimumFill = 0.5f;
 constexpr float kMaxShellThickness = 1.0e7f;
-
-template <class T>
-bool isWithin( T value, T low, T high )
-{
-	return value >= low && value <= high; // false for NaN
-}
 
 } // namespace
 

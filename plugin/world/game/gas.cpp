@@ -1,5 +1,6 @@
 // Gas in the cavities of a hollow body. A cavity that a crack has opened is none any more, and its gas is gone.
 
+#include "lattice/ranges.h"
 #include "world/bodies/placing.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/game/constants.h"
@@ -145,7 +146,7 @@ void SurfaceForces::pushWalls( const Body& body, unsigned version, double h )
 
 Status SoftBody::setGas( const Gas& gas )
 {
-	const bool isLaw = gas.law >= GasLaw::None && gas.law <= GasLaw::Ideal;
+	const bool isLaw = isChoice( gas.law, GasLaw::Ideal );
 	const bool isGood = isLaw && std::isfinite( gas.pressure ) && btFabs( gas.pressure ) <= kMostPressure && gas.outside >= 0 &&
 		gas.outside <= kMostPressure && ( gas.law != GasLaw::Ideal || gas.pressure > -gas.outside );
 	if ( !isGood )
