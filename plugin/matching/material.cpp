@@ -134,13 +134,10 @@ Status checkBuild( const Material& material )
 
 Status check( const Material& material )
 {
-	if ( Status status = checkChoices( material ); !status.ok() )
+	Status choices = checkChoices( material );
+	if ( choices = choices.ok() ? checkBuild( material ) : choices; !choices.ok() )
 	{
-		return status;
-	}
-	if ( Status status = checkBuild( material ); !status.ok() )
-	{
-		return status;
+		return choices;
 	}
 	if ( !( material.density > 0.0f ) || !isWithin( material.density, 0.0f, kLargestDensity ) )
 	{
