@@ -181,11 +181,12 @@ void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 	}
 	reduceEnergyDebt( h, alpha );
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
-	m_matcher->accelerate( m_nodes,
-		MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyFraction( h, alpha ), measuresStrain,
-			PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit },
-			farFractions( m_material, m_lattice->cellSize, h ), m_isOnePart, float( m_restLength ) },
-		runner );
+	MatchStep step{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyFraction( h, alpha ), measuresStrain,
+		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit },
+		farFractions( m_material, m_lattice->cellSize, h ), m_isOnePart, float( m_restLength ) };
+	step.mostWobble = largestWobbleFraction(
+		double( m_material.damping ), double( h ), double( alpha ), double( m_material.volumeKeeping ), step.far );
+	m_matcher->accelerate( m_nodes, step, runner );
 }
 
 double Body::stiffnessMoment( float h, float alpha ) const

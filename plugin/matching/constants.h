@@ -42,6 +42,10 @@ inline constexpr double kLargestDampingFraction = 0.5;
 /// lambda ( alpha + 2 k ) stays below this; the explicit step is unstable from 4 on.
 inline constexpr double kLargestDampedResponse = 3.8;
 
+/// lambda ( alpha + 2 k ) + 2 f stays below this, f the wobble damping factor: a cube with alpha ( 1 + 3 kappa ) = 1.9 and f = 0.96 gained
+/// a thousand times the energy of its fall.
+inline constexpr double kLargestWobbleResponse = 3.95;
+
 /// Relative rounding tolerance before a modulus counts as out of reach.
 inline constexpr double kAlphaSlack = 1e-4;
 

@@ -35,6 +35,7 @@ struct MatchStep
 	FarFractions far = {};     ///< alphas of the far levels, where the matcher has them
 	bool isOnePart = true;     ///< false: the body's cells may form several unlinked parts
 	float wobbleLength = 1.0f; ///< m, body length that `wobbleDamping` refers to; shorter parts are damped faster in proportion
+	float mostWobble = 1.0f;   ///< largest wobble damping factor f = 1 - exp(-rate h) of a substep (largestWobbleFraction)
 };
 
 class Matcher

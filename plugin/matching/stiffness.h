@@ -45,6 +45,18 @@ inline float dampingFraction( double damping, double h, double alpha, double kap
 /// Alpha of each far level, finest first; 0: the level is not used.
 using FarFractions = std::array<float, kMostFarLevels>;
 
+/// Largest wobble damping factor f of an explicit substep. It acts on the velocity before matching, v' = ( 1 - f ) v - response x / h,
+/// which is stable below response + 2 f = 4. The largest response is lambda ( alpha + 2 k ) and the alphas of the far levels.
+inline float largestWobbleFraction( double damping, double h, double alpha, double kappa, const FarFractions& far )
+{
+	double response = ( 1.0 + 3.0 * kappa ) * ( alpha + 2.0 * double( dampingFraction( damping, h, alpha, kappa ) ) );
+	for ( const float fraction : far )
+	{
+		response += double( fraction );
+	}
+	return float( std::clamp( 0.5 * ( kLargestWobbleResponse - response ), 0.0, 1.0 ) );
+}
+
 /// Second moment per axis of a full region of far level l: three blocks of 2^l cells along an edge, in cells^2.
 inline double farSecondMoment( int level )
 {

@@ -59,5 +59,27 @@ TEST( PlasticEnergy, CornersOfTheSettings )
 	}
 }
 
+// An elastic cube at the largest stable alpha, with volume keeping and full wobble damping, gained two thousand times the energy of its fall
+// at its first touch: the two together were beyond the limit of the explicit step (largestWobbleFraction).
+TEST( PlasticEnergy, WobbleDampingIsStableBesideVolumeKeeping )
+{
+	for ( const float volumeKeeping : { 0.3f, 0.5f, 2.0f } )
+	{
+		for ( const float damping : { 0.0f, 1e3f } )
+		{
+			test::PlasticScene scene;
+			scene.material.youngsModulus = 1e7f;
+			scene.material.regionHalfWidth = 2;
+			scene.material.volumeKeeping = volumeKeeping;
+			scene.material.damping = damping;
+			scene.material.wobbleDamping = 1.0f;
+			const test::PlasticEnergy energy = test::run( scene, 2 );
+			EXPECT_TRUE( energy.isHealthy );
+			EXPECT_LT( energy.most, energy.brought );
+			EXPECT_LT( energy.last, 1e-4 * energy.brought );
+		}
+	}
+}
+
 } // namespace
 } // namespace pliant

@@ -24,7 +24,7 @@ struct Squeeze
 
 struct Squeezed
 {
-	double early = 0.0, late = 0.0; ///< largest impulse of all contacts in a step, N s: in the first second, and in the last
+	double early = 0.0, late = 0.0; ///< largest impulse of all contacts in a step, N s: in the first half, and in the last second
 	double strain = 0.0;            ///< elastic energy at the release, J; with levels or plasticity that of a cube of linear springs
 	double out = 0.0;               ///< bound of the energy from pushing all nodes out at the maximum rate, J
 	double motion = 0.0;            ///< maximum kinetic energy after the release, J
@@ -100,7 +100,7 @@ inline Squeezed squeeze( const Squeeze& how )
 	{
 		t.step( 1 );
 		const double now = impulses( *t.world.getDispatcher() );
-		result.early = frame < 60 ? std::max( result.early, now ) : result.early;
+		result.early = frame < frames / 2 ? std::max( result.early, now ) : result.early;
 		result.late = frame >= frames - 60 ? std::max( result.late, now ) : result.late;
 	}
 	const double reached = double( body->stiffnessPlan().reachedModulus ), cell = kEdge / 6,
@@ -125,7 +125,7 @@ inline Squeezed squeeze( const Squeeze& how )
 	{
 		t.world.addRigidBody( each );
 	}
-	std::printf( "%s of %.2f m, %s, E %.0e, %d levels, yield %.2f, %.0f s: impulse a step %.0f N s at first, %.0f at last; let go %.0f J "
+	std::printf( "%s of %.2f m, %s, E %.0e, %d levels, yield %.2f, %.0f s: impulse a step %.0f N s in the first half, %.0f at last; let go %.0f J "
 				 "of %.0f + %.0f, up to %.2f m\n",
 		how.isSlot ? "slot" : "plate", how.gap, how.elasticity == Elasticity::Implicit ? "implicit" : "explicit", how.youngsModulus,
 		how.coarseLevels, double( how.yieldStrain ), how.seconds, result.early, result.late, result.motion, result.strain, result.out,

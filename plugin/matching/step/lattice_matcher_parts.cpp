@@ -65,7 +65,8 @@ void LatticeMatcher::applyToPart( const MatchView& view, const MatchStep& step, 
 	const Vec3d frame( double( view.frameCentre[0] ), double( view.frameCentre[1] ), double( view.frameCentre[2] ) );
 	// The lowest vibration frequency, for which the rate is meant, is inversely proportional to the length.
 	const double rate = double( step.wobbleDamping ) * double( step.wobbleLength ) / double( m_partLength[std::size_t( part )] );
-	const double wobble = step.wobbleDamping > 0.0f ? 1.0 - std::exp( -rate * double( step.h ) ) : 0.0;
+	const double wobble = step.wobbleDamping > 0.0f ? std::min( double( step.mostWobble ), 1.0 - std::exp( -rate * double( step.h ) ) )
+													: 0.0;
 	PartSums sums;
 	m_parts.forNodes( part, view.nodeCount, [&]( int i ) {
 		sums.mass += double( view.mass[i] );
