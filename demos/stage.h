@@ -2,6 +2,7 @@
 
 // What a scene stands on: a world, the rigid and soft bodies put into it, and their colours.
 
+#include "demos/explicit_material.h"
 #include "demos/step_log.h"
 
 #include "third_party_glue/draw_list.h"
@@ -39,7 +40,7 @@ struct SoftOrder
 	float cellSize = 0;                                ///< m; 0: what `cells` asks for
 	std::shared_ptr<const pliant::BodyTemplate> shape; ///< when several bodies share one; `mesh` and cells are then not looked at
 	btTransform place = btTransform::getIdentity();
-	pliant::Material material;
+	pliant::Material material = pliant_demos::explicitMaterial();
 	pliant::Adaptivity adaptivity;
 	pliant::StiffnessField stiffness;
 	pliant::Fracture fracture;

@@ -229,6 +229,7 @@ std::string codeOf( const Candidate& candidate )
 	}
 	const pliant::Material& m = candidate.material;
 	const pliant::Adaptivity& a = candidate.adaptivity;
+	const char* const elasticities[] = { "Explicit", "Implicit", "Automatic" };
 	std::ostringstream out;
 	out << "pliant::LatticeSettings lattice;\nlattice.targetCells = " << candidate.cells << ";\npliant::Material material;\n";
 	out << "material.density = " << number( m.density ) << ";\nmaterial.youngsModulus = " << number( m.youngsModulus ) << ";\n";
@@ -240,10 +241,7 @@ std::string codeOf( const Candidate& candidate )
 	{
 		out << "material.farLevels = " << m.farLevels << ";\n";
 	}
-	if ( m.elasticity == pliant::Elasticity::Implicit )
-	{
-		out << "material.elasticity = pliant::Elasticity::Implicit;\n";
-	}
+	out << "material.elasticity = pliant::Elasticity::" << elasticities[int( m.elasticity )] << ";\n";
 	if ( m.weights == pliant::Weights::Literal )
 	{
 		out << "material.weights = pliant::Weights::Literal;\n";

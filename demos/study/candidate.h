@@ -2,6 +2,7 @@
 
 // The methods under comparison, each with the settings it is tried at.
 
+#include "demos/explicit_material.h"
 #include <pliant/adaptivity.h>
 #include <pliant/material.h>
 
@@ -27,7 +28,7 @@ struct Candidate
 	int substeps = 0;     ///< soft substeps a step asked for; 0: the world's default. Stiffness may raise it
 	int mostSubsteps = 0; ///< 0: the world's default
 	bool isOurs = false;
-	pliant::Material material;
+	pliant::Material material = pliant_demos::explicitMaterial();
 	pliant::Adaptivity adaptivity;
 
 	std::string name() const { return family + ", " + setting; }

@@ -2,6 +2,7 @@
 
 // A piece of material in a testing machine: a box of cells, or a shape of its own, that is pulled, bent and let go through the public face.
 
+#include "demos/explicit_material.h"
 #include "demos/study/small_world.h"
 
 #include <Eigen/Core>
@@ -18,9 +19,9 @@ using Field = std::function<Eigen::Vector3d( const Eigen::Vector3d& rest )>;
 
 struct CouponOrder
 {
-	Eigen::Vector3i cells = { 16, 4, 4 }; ///< along x, y and z
-	pliant_glue::ModelMesh mesh;          ///< in the box's place, where it has vertices
-	pliant::Material material;            ///< youngsModulus: see `reach`
+	Eigen::Vector3i cells = { 16, 4, 4 };                         ///< along x, y and z
+	pliant_glue::ModelMesh mesh;                                  ///< in the box's place, where it has vertices
+	pliant::Material material = pliant_demos::explicitMaterial(); ///< youngsModulus: see `reach`
 	pliant::Adaptivity adaptivity;
 	double cell = 0.1;          ///< m
 	double degrees = 0;         ///< between the box and its lattice, about z

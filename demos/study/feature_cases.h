@@ -2,6 +2,7 @@
 
 // A block on a plane with one feature off, idle or working: what is timed and counted to say what the feature costs.
 
+#include "demos/explicit_material.h"
 #include "demos/study/small_world.h"
 
 #include <pliant/build.h>
@@ -17,7 +18,7 @@ struct FeatureCase
 {
 	std::string feature; ///< "plain": nothing beyond a body with a skin
 	std::string state;   ///< "off", "idle: ...", "working: ..."
-	pliant::Material material;
+	pliant::Material material = pliant_demos::explicitMaterial();
 	pliant::Adaptivity adaptivity;
 	pliant::Skinning skinning = pliant::Skinning::NearbyNodes;
 	bool isLookedAt = true; ///< its skin is asked for in every step

@@ -2,6 +2,7 @@
 // | M8 to M11: large stretch, Cook's membrane, a plate and a rod of one cell.                                        |
 // +-----------------------------------------------------------------------------------------------------------------+
 
+#include "demos/explicit_material.h"
 #include "demos/shapes.h"
 #include "demos/study/materials.h"
 #include "demos/study/theory.h"
@@ -160,7 +161,7 @@ std::vector<MaterialRow> measureRod( bool isShort )
 			"" } );
 	}
 	// Bent to a half circle, turned about its length as it goes, and let whirl.
-	order.material = pliant::Material();
+	order.material = pliant_demos::explicitMaterial();
 	order.reach = 0.5;
 	Coupon rod( order );
 	const double radius = order.cells.x() * order.cell / 3.14159265358979;

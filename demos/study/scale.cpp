@@ -3,6 +3,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/scale.h"
+#include "demos/explicit_material.h"
 #include "demos/must_succeed.h"
 
 #include "demos/study/small_world.h"
@@ -68,7 +69,7 @@ ScaleRow rowOf( const std::string& what, SmallWorld& world, int threads, double 
 
 pliant::Material stiffEnough()
 {
-	pliant::Material material;
+	pliant::Material material = pliant_demos::explicitMaterial();
 	material.youngsModulus = 5e4f;
 	return material;
 }

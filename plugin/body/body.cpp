@@ -51,6 +51,18 @@ bool needsNewMatcher( const Material& a, const Material& b, bool hasLevels )
 		a.volumeKeeping != b.volumeKeeping || a.farLevels != b.farLevels || ( !hasLevels && usesLinkMoments( a ) != usesLinkMoments( b ) );
 }
 
+/// Returns the material with the values that follow from the rest shape.
+Material completed( const Material& wanted, const Lattice& lattice )
+{
+	Material material = wanted;
+	material.farLevels = usefulFarLevels( lattice, wanted.farLevels );
+	if ( material.youngsModulus == 0.0f )
+	{
+		material.youngsModulus = defaultYoungsModulus( material.density, float( longestExtent( lattice ) ) );
+	}
+	return material;
+}
+
 } // namespace
 
 Body::Body() = default;
@@ -86,8 +98,7 @@ Result<std::unique_ptr<Body>> Body::create( std::shared_ptr<const Lattice> latti
 		std::unique_ptr<Body> body( new Body );
 		body->m_lattice = std::move( lattice );
 		body->m_cache = std::move( cache );
-		body->m_material = material;
-		body->m_material.farLevels = usefulFarLevels( *body->m_lattice, material.farLevels );
+		body->m_material = completed( material, *body->m_lattice );
 		if ( Status status = body->sampleStiffness( stiffness ); !status.ok() )
 		{
 			return Made{ std::move( status ), nullptr };
@@ -122,8 +133,7 @@ Status Body::setMaterial( const Material& wanted )
 	{
 		return Status{ ResultCode::BadMaterial, "A body that can break needs Method::Lattice." };
 	}
-	Material material = wanted;
-	material.farLevels = usefulFarLevels( *m_lattice, wanted.farLevels );
+	Material material = completed( wanted, *m_lattice );
 	try
 	{
 		std::unique_ptr<Matcher> matcher;
@@ -184,8 +194,7 @@ void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 	MatchStep step{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyFraction( h, alpha ), measuresStrain,
 		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit },
 		farFractions( m_material, m_lattice->cellSize, h ), m_isOnePart, float( m_restLength ) };
-	step.mostWobble = largestWobbleFraction(
-		double( m_material.damping ), double( h ), double( alpha ), double( m_material.volumeKeeping ), step.far );
+	step.mostWobble = largestWobbleFraction( m_material.damping, h, alpha, m_material.volumeKeeping );
 	m_matcher->accelerate( m_nodes, step, runner );
 }
 

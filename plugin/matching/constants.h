@@ -29,6 +29,11 @@ inline constexpr float kLargestRigidStrain = 0.1f;
 
 inline constexpr double kPi = 3.14159265358979323846;
 
+/// Young's modulus of a body whose material sets none, as a multiple of rho g L: less sags visibly under ten times the body's own mass.
+inline constexpr double kDefaultStiffness = 100.0;
+/// Standard gravity, m/s^2.
+inline constexpr double kStandardGravity = 9.80665;
+
 /// Larger alphas are clamped to this: the explicit step is stable up to here (derivation in docs/design/step.md).
 inline constexpr float kLargestAlpha = 1.0f;
 

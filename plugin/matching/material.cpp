@@ -143,9 +143,9 @@ Status check( const Material& material )
 	{
 		return refuse( "Material::density must be above 0 and at most 1e6 kg/m^3." );
 	}
-	if ( !( material.youngsModulus > 0.0f ) || !std::isfinite( material.youngsModulus ) )
+	if ( !( material.youngsModulus >= 0.0f ) || !std::isfinite( material.youngsModulus ) )
 	{
-		return refuse( "Material::youngsModulus must be above 0 Pa and finite." );
+		return refuse( "Material::youngsModulus must be at least 0 Pa and finite; 0 stands for the default of the body's size." );
 	}
 	if ( !( material.alpha > 0.0f ) || !isWithin( material.alpha, 0.0f, kLargestAlpha ) )
 	{
@@ -192,6 +192,12 @@ Status check( const Material& material )
 		return refuse( "Material::clusterEdge must lie in 2 to 64 cells." );
 	}
 	return {};
+}
+
+float defaultYoungsModulus( float density, float length )
+{
+	const float modulus = float( kDefaultStiffness * kStandardGravity * double( density ) * double( length ) );
+	return density > 0.0f && length > 0.0f && std::isfinite( modulus ) ? modulus : 0.0f;
 }
 
 StiffnessPlan planStiffness( const Material& material, float cellSize, float gameStep, int substeps )

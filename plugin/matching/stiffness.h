@@ -42,20 +42,16 @@ inline float dampingFraction( double damping, double h, double alpha, double kap
 	return float( std::max( 0.0, std::min( { k, kLargestDampingFraction, margin } ) ) );
 }
 
-/// Alpha of each far level, finest first; 0: the level is not used.
-using FarFractions = std::array<float, kMostFarLevels>;
-
-/// Largest wobble damping factor f of an explicit substep. It acts on the velocity before matching, v' = ( 1 - f ) v - response x / h,
-/// which is stable below response + 2 f = 4. The largest response is lambda ( alpha + 2 k ) and the alphas of the far levels.
-inline float largestWobbleFraction( double damping, double h, double alpha, double kappa, const FarFractions& far )
+/// Largest wobble damping factor f of an explicit substep. It acts on the velocity before matching, v' = ( 1 - f ) v - response x / h, and
+/// is stable below response + 2 f = 4; the largest response is lambda ( alpha + 2 k ).
+inline float largestWobbleFraction( double damping, double h, double alpha, double kappa )
 {
-	double response = ( 1.0 + 3.0 * kappa ) * ( alpha + 2.0 * double( dampingFraction( damping, h, alpha, kappa ) ) );
-	for ( const float fraction : far )
-	{
-		response += double( fraction );
-	}
+	const double response = ( 1.0 + 3.0 * kappa ) * ( alpha + 2.0 * double( dampingFraction( damping, h, alpha, kappa ) ) );
 	return float( std::clamp( 0.5 * ( kLargestWobbleResponse - response ), 0.0, 1.0 ) );
 }
+
+/// Alpha of each far level, finest first; 0: the level is not used.
+using FarFractions = std::array<float, kMostFarLevels>;
 
 /// Second moment per axis of a full region of far level l: three blocks of 2^l cells along an edge, in cells^2.
 inline double farSecondMoment( int level )

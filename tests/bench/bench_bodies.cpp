@@ -5,6 +5,7 @@
 #include "matching/step/lattice_matcher.h"
 #include "pliant/body_template.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <benchmark/benchmark.h>
 
@@ -68,7 +69,7 @@ std::shared_ptr<const BodyTemplate> build( const Triangles& mesh )
 
 void stepBody( benchmark::State& state, const BodyTemplate& body, int halfWidth )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.regionHalfWidth = halfWidth;
 	NodeState nodes = test::restNodes( body.lattice() );
 	for ( int i = 0; i < nodes.count; ++i )

@@ -1,6 +1,7 @@
 // What one soft cube of 216 nodes costs a world of 3 000 rigid boxes: alone in Bullet's world, with the cube among them, and with it far
 // away. Counters: the median and the worst of 120 steps from the moment the heap is let go, ms.
 
+#include "support/explicit_material.h"
 #include "support/test_world.h"
 
 #include <benchmark/benchmark.h>
@@ -55,7 +56,7 @@ void bystandersWithACube( benchmark::State& state )
 {
 	test::SoftWorld scene;
 	fillHeap( scene );
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = 1e5f;
 	material.elasticity = state.range( 0 ) ? Elasticity::Implicit : Elasticity::Explicit;
 	SoftBody* const cube = scene.add( test::cubeTemplate( 0.6f, 6 ), btVector3( state.range( 1 ) ? 30 : 3, btScalar( 9.6 ), 2 ), material );

@@ -2,6 +2,7 @@
 
 #include "body/body.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <benchmark/benchmark.h>
 
@@ -25,7 +26,7 @@ const Shape kShapes[] = {
 /// `times`: Young's modulus over what the finest level reaches.
 std::unique_ptr<Body> makeBody( const Shape& shape, int farLevels, double times )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	const StiffnessPlan plan = planStiffness( material, kCell, kStep, 1 );
 	material.youngsModulus = float( times * plan.reachedModulus / plan.alpha );
 	material.farLevels = farLevels;

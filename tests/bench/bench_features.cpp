@@ -2,6 +2,7 @@
 
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <benchmark/benchmark.h>
 
@@ -27,7 +28,7 @@ void plasticity( benchmark::State& state )
 	{
 		nodes.x.x[i] *= 1.3f; // held there: positions are never moved on
 	}
-	Material material;
+	Material material = test::explicitMaterial();
 	material.yieldStrain = flow == Flow::Off ? 0.0f : 0.01f;
 	LatticeMatcher matcher( lattice, material );
 	MatchStep step{ 1.0f / 240.0f, 0.5f, 10.0f, 1.0f };

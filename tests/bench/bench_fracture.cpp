@@ -3,6 +3,7 @@
 #include "body/body.h"
 #include "body/breaking.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 #include "support/test_world.h"
 #include "world/shape/node_shape.h"
 
@@ -113,7 +114,7 @@ void fractureThrown( benchmark::State& state )
 		test::SoftWorld scene;
 		scene.world.setThreadCount( int( state.range( 2 ) ) );
 		scene.addBoxFloor();
-		Material material;
+		Material material = test::explicitMaterial();
 		material.youngsModulus = 2e6f;
 		SoftBody* const body = scene.add(
 			cube, btVector3( 0, btScalar( 0.7 ), 0 ), material, btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.3 ) ) );

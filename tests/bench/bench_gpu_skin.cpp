@@ -1,6 +1,7 @@
 // What the skin of a frame costs the CPU: computed there, and as node transforms for the GPU. One thread.
 
 #include "lattice/test_meshes.h"
+#include "support/explicit_material.h"
 #include "support/test_world.h"
 
 #include <pliant/render/gpu_surface.h>
@@ -31,7 +32,7 @@ struct Drawn
 		const test::Mesh mesh = test::makeBumpySphere( 0.5, 0.1, 91, 181 );
 		LatticeSettings settings;
 		settings.targetCells = cells;
-		Material soft;
+		Material soft = test::explicitMaterial();
 		soft.youngsModulus = 2e4f;
 		body = std::move( SoftBody::create( BodyTemplate::build( mesh.view(), settings ).value, btTransform::getIdentity(), soft ).value );
 		in.world.setGravity( btVector3( 0, 0, 0 ) );

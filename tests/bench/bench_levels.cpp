@@ -7,6 +7,7 @@
 #include "matching/reference/reference_matcher.h"
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 #include "support/shapes.h"
 
 #include <benchmark/benchmark.h>
@@ -41,7 +42,7 @@ void reportLevelsPerNode( benchmark::State& state, int nodes )
 
 Material wide( benchmark::State& state )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.regionHalfWidth = int( state.range( 1 ) );
 	return material;
 }
@@ -103,7 +104,8 @@ BENCHMARK( levelsAdaptive )->Apply( arguments );
 /// One product of the implicit step, rows of regions side by side (docs/design/implicit.md) or one by one.
 void levelsProduct( benchmark::State& state )
 {
-	const std::unique_ptr<Body> body = makeBody( bodyLattice( int( state.range( 0 ) ) ), Material{}, state.range( 0 ) == 0 ? 2 : 3 );
+	const std::unique_ptr<Body> body = makeBody(
+		bodyLattice( int( state.range( 0 ) ) ), test::explicitMaterial(), state.range( 0 ) == 0 ? 2 : 3 );
 	LatticeMatcher matcher( body->lattice(), body->material(), body->levels()->tables() );
 	StrainRates rates;
 	if ( state.range( 1 ) == 0 )
@@ -132,7 +134,7 @@ BENCHMARK( levelsProduct )->ArgNames( { "body", "sliced" } )->ArgsProduct( { { 0
 void levelsSplit( benchmark::State& state )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 70, 1.0f, 1 ) );
-	const std::unique_ptr<Body> body = makeBody( lattice, Material{}, 3 );
+	const std::unique_ptr<Body> body = makeBody( lattice, test::explicitMaterial(), 3 );
 	const Octree& octree = body->levels()->octree();
 	std::vector<std::uint32_t> split;
 	int brought = 0;

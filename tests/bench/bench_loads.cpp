@@ -1,5 +1,6 @@
 // What a frame costs under a box of 1 to 1 000 times a block's mass, against the same block with nothing on it (docs/design/implicit.md).
 
+#include "support/explicit_material.h"
 #include "support/test_world.h"
 
 #include <benchmark/benchmark.h>
@@ -18,7 +19,7 @@ struct LoadScene : test::SoftWorld
 	LoadScene( const std::shared_ptr<const BodyTemplate>& cube, Elasticity elasticity, int halfWidth, double ratio, double modulus )
 	{
 		addFloor();
-		Material material;
+		Material material = test::explicitMaterial();
 		material.elasticity = elasticity;
 		material.regionHalfWidth = halfWidth;
 		material.youngsModulus = float( modulus );

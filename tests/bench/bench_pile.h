@@ -2,6 +2,7 @@
 
 // A heap of soft and rigid bodies, for whoever measures one.
 
+#include "support/explicit_material.h"
 #include "support/test_world.h"
 
 namespace pliant::test {
@@ -11,7 +12,7 @@ inline void fillPile( SoftWorld& scene, Elasticity elasticity )
 {
 	scene.addBoxFloor();
 	const auto cube = cubeTemplate( 0.6f, 6 );
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = 3e4f;
 	material.elasticity = elasticity;
 	for ( int i = 0; i < 20; ++i )

@@ -2,6 +2,7 @@
 // matching in the frame.
 
 #include "bench_pile.h"
+#include "support/explicit_material.h"
 
 #include <benchmark/benchmark.h>
 
@@ -26,7 +27,7 @@ void restingBlock( benchmark::State& state )
 	const int cells = int( state.range( 0 ) );
 	test::SoftWorld scene;
 	scene.addFloor();
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = 1e5f;
 	SoftBody* body = scene.add( test::cubeTemplate( 1.0f, cells ), btVector3( 0, btScalar( 0.51 ), 0 ), material );
 	body->setActivationState( DISABLE_DEACTIVATION );
@@ -44,7 +45,7 @@ void selfCollision( benchmark::State& state )
 {
 	test::SoftWorld scene;
 	scene.addFloor();
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = 1e5f;
 	SoftBody* body = scene.add( test::cubeTemplate( 1.0f, 13 ), btVector3( 0, btScalar( 0.51 ), 0 ), material );
 	body->setActivationState( DISABLE_DEACTIVATION );

@@ -4,6 +4,7 @@
 #include "matching/reference/reference_matcher.h"
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <benchmark/benchmark.h>
 
@@ -62,7 +63,7 @@ void stepMatcher( benchmark::State& state, int cells, const Material& material, 
 
 void coreStep( benchmark::State& state )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.regionHalfWidth = int( state.range( 1 ) );
 	stepMatcher( state, int( state.range( 0 ) ), material, Summation( state.range( 2 ) ), KernelTarget( state.range( 3 ) ) );
 }
@@ -91,7 +92,7 @@ BENCHMARK( coreStep )->Apply( registerSteps );
 /// Fused operations are done without for equal bits; literal weights and rotations from F cost what the comparison modes cost.
 void comparisonMode( benchmark::State& state )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.weights = state.range( 0 ) == 1 ? Weights::Literal : Weights::Conserving;
 	material.rotationFrom = state.range( 0 ) == 2 ? RotationFrom::F : RotationFrom::Apq;
 	material.beta = state.range( 0 ) == 3 ? 0.5f : 0.0f;

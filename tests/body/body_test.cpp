@@ -1,6 +1,7 @@
 // One body without a world: placing, pinning, teleporting, bad numbers, bad input.
 
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ TEST( Body, RefusesAnEmptyLatticeAndABadMaterial )
 {
 	EXPECT_EQ( Body::create( nullptr, {}, {} ).status.code, ResultCode::BadArgument );
 	EXPECT_EQ( Body::create( std::make_shared<Lattice>(), {}, {} ).status.code, ResultCode::BadArgument );
-	Material bad;
+	Material bad = test::explicitMaterial();
 	bad.density = 0.0f;
 	const auto made = Body::create( std::make_shared<Lattice>( makeBlockLattice( 2, 2, 2, 0.1f ) ), bad, {} );
 	EXPECT_EQ( made.status.code, ResultCode::BadMaterial );
@@ -25,7 +26,7 @@ TEST( Body, RefusesAnEmptyLatticeAndABadMaterial )
 
 TEST( Body, HasTheMassOfItsMaterial )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.density = 500.0f;
 	const auto body = test::makeBlock( 5, 4, 3, 0.1f, material );
 	EXPECT_NEAR( body->sums().mass, 500.0 * 0.5 * 0.4 * 0.3, 1e-4 );

@@ -90,7 +90,7 @@ TEST( Breaking, RefusesInvalidSettings )
 	field.fraction = []( const float*, const float*, void* ) { return 0.0f; };
 	EXPECT_EQ( body->setFracture( fracture, field ).code, ResultCode::BadArgument );
 	EXPECT_NE( body->breaking(), nullptr ); // the settings stay as they were
-	Material cluster;
+	Material cluster = test::explicitMaterial();
 	cluster.method = Method::SingleCluster;
 	EXPECT_EQ( makeBody( lattice, {}, cluster )->setFracture( fracture ).code, ResultCode::BadSettings );
 	EXPECT_EQ( body->setMaterial( cluster ).code, ResultCode::BadMaterial );
@@ -275,7 +275,7 @@ TEST( Breaking, PiecesAreMergedAsFarAsTheBodyWas )
 
 TEST( Breaking, PiecesHaveTheFarLevelsOfTheirLength )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = 1e7f; // beyond the reach of the finest level
 	material.farLevels = 3;
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 48, 4, 4, 0.1f ) );
@@ -348,7 +348,7 @@ TEST( Breaking, TablesOfPiecesEqualNewOnes )
 	for ( unsigned seed = 1; seed <= 12; ++seed )
 	{
 		const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 12, 0.05f, seed ) );
-		Material material;
+		Material material = test::explicitMaterial();
 		material.regionHalfWidth = 1 + int( seed % 2 );
 		material.volumeKeeping = seed % 3 == 0 ? 0.5f : 0.0f; // needs inverses
 		auto body = makeBody( lattice, {}, material );
@@ -387,7 +387,7 @@ TEST( Breaking, TablesOfPiecesEqualNewOnes )
 
 TEST( Breaking, PiecesKeepPlasticShapes )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.yieldStrain = 0.01f;
 	material.plasticCreep = 500.0f;
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 3, 3, 0.05f ) );

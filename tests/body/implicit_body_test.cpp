@@ -2,6 +2,7 @@
 
 #include "body/implicit_motion.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +19,7 @@ constexpr float kFrame = 1.0f / 60.0f;
 /// An elastic material with about this alpha at a sixtieth of a second and cells of 0.1 m.
 Material implicitMaterial( float alpha, float numericalDamping, int halfWidth = 1 )
 {
-	Material m;
+	Material m = test::explicitMaterial();
 	m.elasticity = Elasticity::Implicit;
 	m.numericalDamping = numericalDamping;
 	m.damping = 0.0f;

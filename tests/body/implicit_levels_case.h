@@ -6,6 +6,7 @@
 #include "matching/implicit/strain_rates.h"
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +19,7 @@ inline constexpr float kStep = 1.0f / 60.0f;
 
 inline Material material( float alpha )
 {
-	Material m;
+	Material m = test::explicitMaterial();
 	m.elasticity = Elasticity::Implicit;
 	m.damping = 0.0f;
 	m.wobbleDamping = 0.0f;

@@ -4,6 +4,7 @@
 #include "body/levels/levels.h"
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 #include "support/same_levels.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +27,8 @@ TEST( LeftRows, AreMeasuredWithTheCut )
 			settings.coarseLevels = coarse;
 			const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 16, 8, 8, 0.1f ) );
 			const auto cut = [&]( PieceBuild road ) {
-				const std::unique_ptr<Body> body = std::move( Body::create( lattice, Material{}, {}, nullptr, settings ).value );
+				const std::unique_ptr<Body> body = std::move(
+					Body::create( lattice, test::explicitMaterial(), {}, nullptr, settings ).value );
 				body->breakLinks( test::linksAtFour( *lattice, most ) );
 				int splits = 0;
 				for ( ; body->mustRefineToBreak(); ++splits )

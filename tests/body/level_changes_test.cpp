@@ -3,6 +3,7 @@
 #include "body/body.h"
 #include "body/levels/levels.h"
 #include "matching/step/lattice_matcher.h"
+#include "support/explicit_material.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>
@@ -96,7 +97,7 @@ TEST( Levels, OfEveryRegionRuleChangeToTheTablesOfANewBodyOnAnyNumberOfThreads )
 	{
 		for ( const Weights weights : { Weights::Conserving, Weights::Literal } )
 		{
-			Material material;
+			Material material = test::explicitMaterial();
 			material.weights = weights;
 			expectChangesAsFromNothing( settings, material );
 			material.regionHalfWidth = 2;
@@ -110,7 +111,7 @@ TEST( Levels, OfEveryRegionRuleChangeToTheTablesOfANewBodyOnAnyNumberOfThreads )
 TEST( Levels, StretchOfAFewRegionsEqualsThatOfAllAndIsKept )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
-	const Material material;
+	const Material material = test::explicitMaterial();
 	Adaptivity settings;
 	settings.coarseLevels = 3;
 	const std::vector<float> everywhere;
@@ -170,7 +171,7 @@ TEST( Levels, StretchOfAFewRegionsIsTheSameInAnyOrder )
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
 	Adaptivity settings;
 	settings.coarseLevels = 1;
-	const std::unique_ptr<Body> body = std::move( Body::create( lattice, Material{}, {}, nullptr, settings ).value );
+	const std::unique_ptr<Body> body = std::move( Body::create( lattice, test::explicitMaterial(), {}, nullptr, settings ).value );
 	const int count = body->nodeCount();
 	ASSERT_GT( count, 2 * 64 );
 	for ( int i = 0; i < count; ++i )
@@ -225,7 +226,7 @@ TEST( LevelChanges, CellsFollowTheirNodesRegions )
 		const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 16, 0.05f, 3 ) );
 		Adaptivity settings;
 		settings.coarseLevels = count;
-		const std::unique_ptr<Body> body = std::move( Body::create( lattice, Material{}, {}, nullptr, settings ).value );
+		const std::unique_ptr<Body> body = std::move( Body::create( lattice, test::explicitMaterial(), {}, nullptr, settings ).value );
 		std::mt19937 random( 7 );
 		const auto any = [&random] { return float( random() % 1000 ) * 2e-5f - 0.01f; };
 		for ( int i = 0; i < body->nodeCount(); ++i )

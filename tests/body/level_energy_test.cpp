@@ -4,6 +4,7 @@
 #include "body/levels/level_nodes.h"
 #include "body/levels/levels.h"
 #include "matching/step/lattice_matcher.h"
+#include "support/explicit_material.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>
@@ -64,7 +65,7 @@ struct Lump
 		return numbers;
 	}
 
-	Material material;
+	Material material = test::explicitMaterial();
 	Lattice lattice;
 	std::shared_ptr<const LevelBase> base;
 	std::vector<float> everywhere;
@@ -82,7 +83,7 @@ Vec3 bent( const Vec3& p )
 
 Material withoutVolume()
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.damping = 0.0f;
 	material.volumeKeeping = 0.0f;
 	return material;

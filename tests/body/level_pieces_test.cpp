@@ -5,6 +5,7 @@
 #include "body/levels/levels.h"
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 #include "support/same_levels.h"
 #include "support/shapes.h"
 
@@ -57,7 +58,7 @@ BodyPair makePair( unsigned seed, int coarseLevels, int halfWidth, bool isSoftIn
 	settings.coarseLevels = coarseLevels;
 	settings.refineStrain = 0.04f;
 	settings.mergeDelay = 0.02f;
-	Material material;
+	Material material = test::explicitMaterial();
 	material.regionHalfWidth = halfWidth;
 	material.yieldStrain = 0.02f;
 	material.plasticCreep = 10.0f;
@@ -226,7 +227,7 @@ TEST( LevelPieces, RowsFollowCellsThatChangeTheirOrder )
 	Adaptivity settings;
 	settings.coarseLevels = 2;
 	const auto cut = [&]( PieceBuild road ) {
-		const std::unique_ptr<Body> body = std::move( Body::create( lattice, Material{}, {}, nullptr, settings ).value );
+		const std::unique_ptr<Body> body = std::move( Body::create( lattice, test::explicitMaterial(), {}, nullptr, settings ).value );
 		EXPECT_EQ( body->nodeCount(), 8 );
 		body->breakLinks( { CellLink{ 1, 2 } } );
 		BreakReport report;
@@ -289,7 +290,7 @@ TEST( LevelPieces, AreRefinedTogetherLikeTheBody )
 			Adaptivity settings;
 			settings.coarseLevels = 1;
 			const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 4, 4, 0.1f ) );
-			Result<std::unique_ptr<Body>> made = Body::create( lattice, Material{}, {}, nullptr, settings );
+			Result<std::unique_ptr<Body>> made = Body::create( lattice, test::explicitMaterial(), {}, nullptr, settings );
 			Fracture fracture;
 			fracture.rule = BreakRule::Plane;
 			fracture.breakStrain = 0.2f;
@@ -322,7 +323,7 @@ TEST( LevelPieces, KeepTheRequestsOfTheBody )
 			Adaptivity settings;
 			settings.coarseLevels = 1;
 			const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 4, 4, 0.1f ) );
-			const std::unique_ptr<Body> body = std::move( Body::create( lattice, Material{}, {}, nullptr, settings ).value );
+			const std::unique_ptr<Body> body = std::move( Body::create( lattice, test::explicitMaterial(), {}, nullptr, settings ).value );
 			const auto isAtAnEnd = []( const Body& of, int node ) { return std::abs( of.nodes().x.get( node ).x() ) > 0.25f; };
 			body->breakLinks( linksAtFour( *lattice, most ) );
 			while ( body->mustRefineToBreak() )
@@ -369,7 +370,7 @@ TEST( LevelPieces, AreMergedWhenTheBodyWouldBe )
 			settings.refineStrain = 0.2f;
 			settings.mergeDelay = 0.1f;
 			const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 4, 4, 0.1f ) );
-			Result<std::unique_ptr<Body>> made = Body::create( lattice, Material{}, {}, nullptr, settings );
+			Result<std::unique_ptr<Body>> made = Body::create( lattice, test::explicitMaterial(), {}, nullptr, settings );
 			const auto run = []( Body& body, int substeps ) {
 				for ( ; substeps > 0; --substeps )
 				{

@@ -2,6 +2,7 @@
 
 #include "body/levels/levels.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>
@@ -50,7 +51,7 @@ TEST( Levels, RefuseInvalidSettings )
 	settings = levels( 1 );
 	settings.refineStrain = std::nanf( "" );
 	EXPECT_EQ( Body::create( lattice, {}, {}, nullptr, settings ).status.code, ResultCode::BadSettings );
-	Material cluster;
+	Material cluster = test::explicitMaterial();
 	cluster.method = Method::SingleCluster;
 	EXPECT_EQ( Body::create( lattice, cluster, {}, nullptr, levels( 1 ) ).status.code, ResultCode::BadSettings );
 }
@@ -162,7 +163,7 @@ TEST( Levels, IncrementalTablesEqualNewOnes )
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
 	Adaptivity settings = levels( 3 );
 	settings.softening = Softening::EnergyTensor;
-	const Material material;
+	const Material material = test::explicitMaterial();
 	const std::unique_ptr<Body> body = makeAdaptive( lattice, settings, material );
 	const std::shared_ptr<const LevelBase> base = buildLevelBase( *lattice, material, settings );
 	std::mt19937 random( 3 );
@@ -217,7 +218,7 @@ TEST( Levels, FollowStrainUpAndDown )
 	Adaptivity settings = levels( 2 );
 	settings.refineStrain = 0.1f;
 	settings.mergeDelay = 0.2f;
-	Material material;
+	Material material = test::explicitMaterial();
 	material.damping = 20.0f;
 	const std::unique_ptr<Body> body = makeAdaptive( lattice, settings, material );
 	const int atRest = body->nodeCount();
@@ -334,7 +335,7 @@ TEST( Levels, RecoverFromAnyShapeWithTheInitialNodes )
 	{
 		for ( const Start start : { Start::Flat, Start::Mirrored, Start::Scrambled, Start::OnePoint, Start::HundredTimesAsLong } )
 		{
-			Material material;
+			Material material = test::explicitMaterial();
 			material.volumeKeeping = kappa;
 			Adaptivity settings = levels( 2 );
 			settings.refineStrain = 0.15f;

@@ -3,6 +3,7 @@
 #include "body/breaking.h"
 #include "body/levels/levels.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 #include "support/same_levels.h"
 
 #include <gtest/gtest.h>
@@ -52,7 +53,7 @@ struct OwnBase : testing::Test
 	{
 		Adaptivity settings;
 		settings.coarseLevels = 2;
-		return std::move( Body::create( lattice, Material{}, {}, cache, settings ).value );
+		return std::move( Body::create( lattice, test::explicitMaterial(), {}, cache, settings ).value );
 	}
 };
 
@@ -95,9 +96,10 @@ TEST_F( OwnBase, AloneIsTakenApart )
 	Adaptivity settings;
 	settings.coarseLevels = 2;
 	const std::vector<float> stiffness;
-	std::shared_ptr<const LevelBase> base = cache->levels.find( *lattice, Material{}, settings );
+	std::shared_ptr<const LevelBase> base = cache->levels.find( *lattice, test::explicitMaterial(), settings );
 	Cut cut = firstCut( base->octree, settings );
-	Levels levels( std::move( base ), *lattice, Material{}, settings, stiffness, std::move( cut ) ); // the only ones of the template
+	Levels levels(
+		std::move( base ), *lattice, test::explicitMaterial(), settings, stiffness, std::move( cut ) ); // the only ones of the template
 	EXPECT_TRUE( levels.takeBaseScratch().moments.covariance.empty() );
 	EXPECT_FALSE( levels.base().moments.covariance.empty() );
 	levels.ownBase();

@@ -4,6 +4,7 @@
 #include "body/levels/levels.h"
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ struct Pull
 
 Material materialOf( const Pull& pull )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.stiffness = Stiffness::RawAlpha;
 	material.alpha = 0.9f; // waves cross the bar within 0.02 s, much faster than the flow
 	material.damping = 20.0f;

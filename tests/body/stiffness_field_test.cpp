@@ -2,6 +2,7 @@
 
 #include "body/levels/levels.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <gtest/gtest.h>
 
@@ -28,7 +29,7 @@ float nothing( const float*, void* )
 
 std::unique_ptr<Body> makeBar( const Adaptivity& adaptivity, const StiffnessField& field )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = 2e4f;
 	material.damping = 60.0f;
 	material.wobbleDamping = 1.0f;
@@ -62,7 +63,7 @@ TEST( StiffnessField, FactorsOutOfRangeAreRefused )
 {
 	auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 4, 4, 4, 0.1f ) );
 	EXPECT_EQ( Body::create( lattice, {}, {}, nullptr, {}, StiffnessField{ &nothing, nullptr } ).status.code, ResultCode::BadArgument );
-	Material cluster;
+	Material cluster = test::explicitMaterial();
 	cluster.method = Method::SingleCluster;
 	EXPECT_EQ( Body::create( lattice, cluster, {}, nullptr, {}, StiffnessField{ &one, nullptr } ).status.code, ResultCode::BadArgument );
 }

@@ -223,7 +223,7 @@ TEST( CFace, ARestoredWorldHasItsIdentitiesAndGoesOnToTheSameBits )
 	CScene scene;
 	auto fracture = initial( pliant_fracture_init );
 	fracture.rule = PLIANT_BREAK_PLANE;
-	fracture.break_strain = 0.08f;
+	fracture.break_strain = 0.02f;
 	const pliant_id body = scene.add( pliant_vec3{ 0, 0.5, 0 }, &fracture ), other = scene.add( pliant_vec3{ 3, 0.5, 0 } );
 	scene.addBall( pliant_vec3{ 0, 1.5, 0 }, 500, pliant_vec3{ 0, -15, 0 } );
 	Buffer before, after;

@@ -62,6 +62,8 @@ TEST( CSettings, AMaterialComesBackAsItWasSet )
 	const pliant_id body = scene.add( pliant_vec3{ 0, 1, 0 } );
 	pliant_material read = initial( pliant_material_init ), defaults = read;
 	ASSERT_EQ( pliant_body_get_material( scene.world, body, &read, sizeof read ), PLIANT_OK );
+	EXPECT_EQ( read.youngs_modulus, defaultYoungsModulus( read.density, 1.0f ) ) << "of a cube of 1 m";
+	defaults.youngs_modulus = read.youngs_modulus;
 	EXPECT_TRUE( areEqual( read, defaults ) );
 	const pliant_material odd = oddMaterial();
 	ASSERT_EQ( pliant_body_set_material( scene.world, body, &odd ), PLIANT_OK ) << pliant_last_error();

@@ -4,6 +4,7 @@
 #include "body/body.h"
 #include "body/levels/levels.h"
 #include "experiments/experiments.h"
+#include "support/explicit_material.h"
 #include "support/shapes.h"
 
 #include <algorithm>
@@ -55,7 +56,7 @@ Vec3d modeShape( const Bar& bar, bool bends, const Vec3d& at )
 /// Vibrations a step, from the moments at which the amplitude passes zero.
 double frequency( const Bar& bar, int level, int halfWidth, bool bends )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.density = 1.0f;
 	material.stiffness = Stiffness::RawAlpha;
 	material.regionHalfWidth = halfWidth;

@@ -9,6 +9,7 @@
 #include "body/levels/levels.h"
 #include "experiments/experiments.h"
 #include "experiments/methods.h"
+#include "support/explicit_material.h"
 #include "support/shapes.h"
 
 #include <chrono>
@@ -80,7 +81,7 @@ public:
 	/// `track` null: this run writes its own places there; else its errors against it are measured.
 	Run run( const NamedMethod& method, const Track* reference, Track* track ) const
 	{
-		Material material;
+		Material material = test::explicitMaterial();
 		material.density = 1.0f;
 		material.stiffness = Stiffness::RawAlpha;
 		material.alpha = m_regime.alpha;

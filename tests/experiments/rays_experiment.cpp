@@ -1,6 +1,7 @@
 // Rays and swept balls from all sides against what is drawn of whole, bent and cracked bodies.
 
 #include "experiments/experiments.h"
+#include "support/explicit_material.h"
 
 #include "lattice/test_meshes.h"
 #include "support/surface_queries.h"
@@ -18,7 +19,7 @@ SoftBodyResult bar( bool isCracked )
 {
 	LatticeSettings settings;
 	settings.cellSize = kCell;
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = 3e4f;
 	const test::Mesh mesh = test::makeBox( { -0.8, -0.2, -0.2 }, { 0.8, 0.2, 0.2 }, 8 );
 	SoftBodyResult made = SoftBody::create( BodyTemplate::build( mesh.view(), settings ).value, btTransform::getIdentity(), material );

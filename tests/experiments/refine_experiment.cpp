@@ -3,6 +3,7 @@
 
 #include "experiments/experiments.h"
 #include "experiments/step_timing.h"
+#include "support/explicit_material.h"
 #include "support/test_world.h"
 
 #include <algorithm>
@@ -95,7 +96,7 @@ void runOnce( const Scene& scene, const std::shared_ptr<const BodyTemplate>& bod
 {
 	test::SoftWorld place;
 	place.world.setGravity( btVector3( 0, 0, 0 ) );
-	Material material;
+	Material material = test::explicitMaterial();
 	material.regionHalfWidth = scene.halfWidth;
 	Adaptivity adaptivity;
 	adaptivity.coarseLevels = scene.coarseLevels;

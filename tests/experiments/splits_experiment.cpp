@@ -7,6 +7,7 @@
 #include "matching/reference/reference_matcher.h"
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 #include "support/shapes.h"
 
 #include <algorithm>
@@ -54,7 +55,7 @@ std::shared_ptr<const Lattice> makePalm()
 
 std::unique_ptr<Body> makeSplittingBody( std::shared_ptr<const Lattice> lattice, const Adaptivity& adaptivity )
 {
-	std::unique_ptr<Body> body = std::move( Body::create( std::move( lattice ), Material{}, {}, nullptr, adaptivity ).value );
+	std::unique_ptr<Body> body = std::move( Body::create( std::move( lattice ), test::explicitMaterial(), {}, nullptr, adaptivity ).value );
 	for ( int i = 0; i < body->nodeCount(); ++i )
 	{
 		body->nodes().v.set( i, 0.1f * body->nodes().x0.get( i ) );

@@ -3,6 +3,7 @@
 
 #include "experiments/experiments.h"
 #include "experiments/step_timing.h"
+#include "support/explicit_material.h"
 
 #include "body/body.h"
 #include "body/levels/levels.h"
@@ -130,7 +131,7 @@ void bunnyExperiment()
 		shape.name.c_str(), lattice->cellCount(), levels.coarseLevels, double( levels.keepMass ) );
 	for ( int w = 1; w <= 2; ++w )
 	{
-		Material material;
+		Material material = test::explicitMaterial();
 		material.regionHalfWidth = w;
 		NodeState nodes = test::restNodes( *lattice );
 		ReferenceMatcher reference( *lattice, material );
@@ -160,7 +161,7 @@ void nodeExperiment()
 		for ( const Blob& blob : { Blob{ 70, 2 }, Blob{ 70, 1 }, Blob{ 85, 1 }, Blob{ 105, 1 } } )
 		{
 			const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( blob.cells, 1.0f, 1 ) );
-			Material material;
+			Material material = test::explicitMaterial();
 			material.regionHalfWidth = w;
 			Adaptivity adaptivity;
 			adaptivity.coarseLevels = blob.coarseLevels;
@@ -186,7 +187,7 @@ void nodeExperiment()
 			std::printf( "  %-24s w = %d", name, w );
 			for ( const float eps : { 0.0f, 0.25f, 0.5f, 1.0f } )
 			{
-				Material material;
+				Material material = test::explicitMaterial();
 				material.regionHalfWidth = w;
 				Adaptivity adaptivity = steinemannAdaptivity( 3 );
 				adaptivity.intervalSlack = eps;

@@ -5,6 +5,7 @@
 #include "body/levels/levels.h"
 #include "experiments/experiments.h"
 #include "experiments/methods.h"
+#include "support/explicit_material.h"
 
 #include <cmath>
 #include <cstdio>
@@ -37,7 +38,7 @@ Vec3d displacement( int start, const Vec3d& at )
 
 std::unique_ptr<Body> makeBody( std::shared_ptr<const Lattice> lattice, int halfWidth, const NamedMethod& method, int start )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.density = 1.0f;
 	material.stiffness = Stiffness::RawAlpha;
 	material.regionHalfWidth = halfWidth;

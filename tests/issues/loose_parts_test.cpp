@@ -1,6 +1,7 @@
 // Bodies whose cells form several disconnected parts: debris, leaves, the boxes of a level's model in one mesh. They are as stable in the
 // implicit step as in the explicit one, because each part is handled like a whole body.
 
+#include "support/explicit_material.h"
 #include "support/mesh_of_boxes.h"
 #include "support/test_world.h"
 
@@ -15,7 +16,7 @@ using namespace pliant::test;
 
 Material materialOf( Elasticity elasticity, float youngsModulus )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.elasticity = elasticity;
 	material.youngsModulus = youngsModulus;
 	return material;

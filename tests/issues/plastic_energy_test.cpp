@@ -1,5 +1,6 @@
 // Plastic flow adds no energy, for any settings.
 
+#include "support/explicit_material.h"
 #include "support/plastic_scenes.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +10,7 @@ namespace {
 
 Material clay( float limit )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = 2e4f;
 	material.yieldStrain = 0.02f;
 	material.plasticLimit = limit;
@@ -59,8 +60,8 @@ TEST( PlasticEnergy, CornersOfTheSettings )
 	}
 }
 
-// An elastic cube at the largest stable alpha, with volume keeping and full wobble damping, gained two thousand times the energy of its fall
-// at its first touch: the two together were beyond the limit of the explicit step (largestWobbleFraction).
+// An elastic cube at the largest stable alpha, with volume keeping and full wobble damping, gained two thousand times the energy of its
+// fall at its first touch: the two together were beyond the limit of the explicit step (largestWobbleFraction).
 TEST( PlasticEnergy, WobbleDampingIsStableBesideVolumeKeeping )
 {
 	for ( const float volumeKeeping : { 0.3f, 0.5f, 2.0f } )

@@ -1,6 +1,7 @@
 // Typical models of games: leaves, ribbons, capes, boxes without a lid, a hull full of holes, a fin as thin as paper on a solid body. Each
 // must become a body that carries all of its drawn surface, rests on a floor, and can be cut.
 
+#include "support/explicit_material.h"
 #include "world/test_world.h"
 
 #include "lattice/lattice.h"
@@ -161,7 +162,7 @@ TEST_P( ThinModels, FallAndLieOnTheFloor )
 	{
 		TestWorld scene;
 		scene.addFloor();
-		Material material;
+		Material material = test::explicitMaterial();
 		material.elasticity = elasticity;
 		SoftBody* body = scene.addSoft( templateOf( mesh ), at( 0, 0, 0 ), material );
 		EXPECT_TRUE( body->teleport( at( 0, btScalar( 0.1 ) - lowestDrawn( *body, mesh ), 0 ) ).ok() );

@@ -2,6 +2,7 @@
 // resolution. Young's modulus is what the user gave, Poisson's ratio 0.
 
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <gtest/gtest.h>
 
@@ -52,7 +53,7 @@ BarResult swing( const Bar& bar )
 {
 	const float length = 1.6f, gravity = 0.3f;
 	const float d = length / float( bar.cells );
-	Material material;
+	Material material = test::explicitMaterial();
 	material.regionHalfWidth = bar.halfWidth;
 	material.damping = 0.0f;
 	material.wobbleDamping = 0.0f;
@@ -132,7 +133,7 @@ INSTANTIATE_TEST_SUITE_P( Steps, HangingBar, testing::Values( 1.0f / 60.0f, 1.0f
 double standingSag( int cells )
 {
 	const float d = 1.0f / float( cells ), gravity = 9.81f;
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = 10.0f * material.density * gravity;
 	const int substeps = std::max( 4, planStiffness( material, d, 1.0f / 60.0f, 4 ).substepsNeeded );
 	const StiffnessPlan plan = planStiffness( material, d, 1.0f / 60.0f, substeps );
@@ -184,7 +185,7 @@ TEST( StandingBlockFull, SagsTheSameAt19683Nodes )
 TEST( WobbleDamping, TakesTheFractionOfCriticalItPromises )
 {
 	// A free bar stretched along its axis: amplitude falls by exp( - zeta omega t ); after one period by exp( - 2 pi zeta ).
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = 2e4f;
 	material.damping = 0.0f;
 	material.wobbleDamping = 0.1f;

@@ -1,6 +1,7 @@
 // Far levels: bars stiffer than one substep of the finest level can make them swing as rod theory says, at the same substep.
 
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +19,7 @@ constexpr double kPiD = 3.14159265358979323846;
 /// `times`: Young's modulus over what alpha = 1 gives without far levels.
 Material stiff( double times, int farLevels )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.damping = 0.0f;
 	material.wobbleDamping = 0.0f;
 	material.farLevels = 0;

@@ -1,6 +1,7 @@
 // What a body alone in space keeps.
 
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <gtest/gtest.h>
 
@@ -43,7 +44,7 @@ TEST( FreeFlight, KeepsBothMomentaWithDefaultSettings )
 {
 	for ( int halfWidth : { 1, 2 } )
 	{
-		Material material;
+		Material material = test::explicitMaterial();
 		material.regionHalfWidth = halfWidth;
 		const Drift near = fly( material, 600 ), far = fly( material, 10000 );
 		EXPECT_LT( near.linear, 1e-5 );
@@ -55,7 +56,7 @@ TEST( FreeFlight, KeepsBothMomentaWithDefaultSettings )
 
 TEST( FreeFlight, LeaksWithThePapersLiteralWeights )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.weights = Weights::Literal;
 	const Drift drift = fly( material, 600 );
 	EXPECT_GT( std::max( drift.linear, drift.angular ), 1e-4 ); // if this ever holds, the literal mode is not literal
@@ -63,7 +64,7 @@ TEST( FreeFlight, LeaksWithThePapersLiteralWeights )
 
 TEST( FreeFlight, NeverGainsEnergy )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	const auto body = test::makeBlock( 6, 6, 6, 0.1f, material );
 	NodeState& nodes = body->nodes();
 	test::Seeded random( 5 );

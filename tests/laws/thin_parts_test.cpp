@@ -2,6 +2,7 @@
 // cells bend as a rod and a plate do, for at w = 1 the three cells of a row that bends resist it with just m d^2 / 18, which is E I.
 
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +24,7 @@ double height( double s )
 /// Bending stiffness over theory's, from the period of the slowest bending.
 double bendingStiffness( int width, const Adaptivity& adaptivity )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.density = 1.0f;
 	material.stiffness = Stiffness::RawAlpha;
 	material.damping = 0.0f;
@@ -78,7 +79,7 @@ TEST( ThinParts, ShakenBentAndTwistedTheyStayFiniteForAHundredThousandSteps )
 {
 	for ( const int width : { 1, 4 } )
 	{
-		Material material;
+		Material material = test::explicitMaterial();
 		material.damping = 1.0f;
 		const std::unique_ptr<Body> body = test::makeBlock( 12, width, 1, 0.1f, material );
 		NodeState& nodes = body->nodes();

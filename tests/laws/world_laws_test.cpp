@@ -1,5 +1,6 @@
 // Laws that need a world: long steps, threads, memory.
 
+#include "support/explicit_material.h"
 #include "support/test_world.h"
 #include "world/bodies/soft_body_impl.h"
 
@@ -75,7 +76,7 @@ TEST( Memory, StaysWithinItsBudgetANode )
 	{
 		test::SoftWorld scene;
 		scene.addFloor();
-		Material material;
+		Material material = test::explicitMaterial();
 		material.regionHalfWidth = halfWidth;
 		SoftBody* body = scene.add( test::cubeTemplate( 1.0f, 13 ), btVector3( 0, btScalar( 0.51 ), 0 ), material );
 		scene.step( 60 );

@@ -1,6 +1,7 @@
 // Müller's clusters: what they keep, what they bring back, and what each mode can follow.
 
 #include "matching/clusters/cluster_matcher.h"
+#include "support/explicit_material.h"
 
 #include "matching/raised_inverse.h"
 #include "pliant/task_runner.h"
@@ -26,7 +27,7 @@ struct Kind
 
 Material materialOf( const Kind& kind, int edge = 4 )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.method = kind.method;
 	material.clusterMode = kind.mode;
 	material.beta = kind.beta;

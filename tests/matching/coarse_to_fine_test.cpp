@@ -4,6 +4,7 @@
 #include "matching/step/lattice_matcher.h"
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>
@@ -243,7 +244,7 @@ TEST( FarLevels, GiveTheSameBitsOnEveryInstructionSetAndForAnyThreadCount )
 TEST( FarLevels, DoNothingWhereTheFinestLevelIsEnough )
 {
 	const Lattice lattice = makeBlockLattice( 32, 5, 5, kCell );
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = 0.9f * planStiffness( material, kCell, kStep, 1 ).reachedModulus /
 		planStiffness( material, kCell, kStep, 1 ).alpha;
 	material.farLevels = 3;
@@ -292,7 +293,7 @@ TEST( FarLevels, DoNotReachAcrossAGap )
 
 TEST( FarLevels, LeavePinnedNodesWhereTheyAre )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = 1e6f;
 	material.farLevels = 3;
 	const auto body = test::makeBlock( 4, 64, 4, kCell, material );
@@ -316,7 +317,7 @@ TEST( FarLevels, LeavePinnedNodesWhereTheyAre )
 
 TEST( FarLevels, ArePlannedAndRefused )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = 1e7f;
 	material.farLevels = 0;
 	const StiffnessPlan alone = planStiffness( material, kCell, 1.0f / 60.0f, 4 );

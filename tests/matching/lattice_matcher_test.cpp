@@ -4,6 +4,7 @@
 #include "matching/step/lattice_matcher.h"
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <gtest/gtest.h>
 
@@ -92,7 +93,7 @@ class SlowTwin : public testing::TestWithParam<Setting>
 
 TEST_P( SlowTwin, AgreesOverTenSubsteps )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.regionHalfWidth = GetParam().halfWidth;
 	material.beta = GetParam().beta;
 	material.weights = GetParam().weights;
@@ -148,7 +149,7 @@ TEST( LatticeMatcher, GivesTheSameBitsOnEveryInstructionSet )
 		for ( float shake : { 0.1f, 3.0f } ) // 3 cells: many regions go to the careful road
 		{
 			const Lattice lattice = crackedLattice();
-			Material material;
+			Material material = test::explicitMaterial();
 			material.regionHalfWidth = halfWidth;
 			material.beta = 0.3f;
 			std::vector<NodeState> results;

@@ -4,6 +4,7 @@
 #include "matching/step/lattice_matcher.h"
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 #include "support/shapes.h"
 
 #include <Eigen/SVD>
@@ -72,7 +73,7 @@ protected:
 		return nodes;
 	}
 
-	Material material;
+	Material material = test::explicitMaterial();
 	Adaptivity settings;
 	Lattice lattice;
 	std::shared_ptr<const LevelBase> base;

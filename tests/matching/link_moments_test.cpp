@@ -1,6 +1,7 @@
 // Regions that the surface cuts short, with the moments of their links.
 
 #include "matching/regions/link_moments.h"
+#include "support/explicit_material.h"
 
 #include "matching/implicit/strain_rates.h"
 #include "matching/step/lattice_matcher.h"
@@ -15,7 +16,7 @@ namespace {
 
 Material implicit( int halfWidth )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.elasticity = Elasticity::Implicit;
 	material.regionHalfWidth = halfWidth;
 	return material;

@@ -60,6 +60,7 @@ TEST( Material, StiffnessPlanFollowsTheFormula )
 TEST( Material, NamesTheSubstepsAStiffOneNeeds )
 {
 	Material material;
+	material.elasticity = Elasticity::Explicit;
 	material.youngsModulus = 1e6f;
 	const StiffnessPlan plan = planStiffness( material, 0.05f, 1.0f / 60.0f, 4 );
 	EXPECT_FALSE( plan.reachable );

@@ -7,6 +7,7 @@
 #include "matching/step/plasticity.h"
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 
 #include <gtest/gtest.h>
 
@@ -44,7 +45,7 @@ void move( NodeState& nodes )
 
 Material flowing( float yieldStrain )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.yieldStrain = yieldStrain;
 	return material;
 }

@@ -1,6 +1,7 @@
 // The implicit step's operator against its definition, and the laws that make it one.
 
 #include "matching/implicit/strain_rates.h"
+#include "support/explicit_material.h"
 
 #include "matching/step/lattice_matcher.h"
 #include "pliant/task_runner.h"
@@ -105,7 +106,7 @@ struct Operator
 	Operator( const Case& c, const Kernels& kernels = bestKernels() ) : Operator( c, strained( c.lattice ), kernels ) {}
 	Operator( const Case& c, NodeState state, const Kernels& kernels = bestKernels() ) : nodes( std::move( state ) )
 	{
-		Material material;
+		Material material = test::explicitMaterial();
 		material.regionHalfWidth = c.halfWidth;
 		matcher = std::make_unique<LatticeMatcher>(
 			c.lattice, material, buildRegionTables( c.lattice, material, c.summation, c.stiffness ), kernels );

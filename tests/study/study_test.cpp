@@ -2,6 +2,7 @@
 
 #include "demos/study/page.h"
 #include "demos/study/scale.h"
+#include "tests/support/explicit_material.h"
 
 #include <gtest/gtest.h>
 
@@ -74,7 +75,7 @@ TEST( Errors, OfARigidMotionAreNoneOfShape )
 
 TEST( WholeBodyAlpha, IsTheModulusOfAStretch )
 {
-	pliant::Material material;
+	pliant::Material material = pliant::test::explicitMaterial();
 	material.density = 1000;
 	material.youngsModulus = 1e4f;
 	// alpha = E h^2 / ( rho <x^2> ), <x^2> = 1/12 for a cube of 1 m.

@@ -3,6 +3,7 @@
 // Scenes in which bodies are to fall asleep, explicit and implicit.
 
 #include "pliant/soft_body_world.h"
+#include "support/explicit_material.h"
 
 namespace pliant::test {
 
@@ -10,7 +11,7 @@ inline constexpr Elasticity kSteps[] = { Elasticity::Explicit, Elasticity::Impli
 
 inline Material materialOf( Elasticity elasticity, float youngsModulus )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.elasticity = elasticity;
 	material.youngsModulus = youngsModulus;
 	return material;

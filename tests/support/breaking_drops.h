@@ -2,6 +2,7 @@
 
 // Bars that fall on the floor and break, on several levels: fracture must not depend on the coarseness of the body.
 
+#include "support/explicit_material.h"
 #include "support/random_impacts.h"
 #include "support/test_world.h"
 
@@ -29,7 +30,7 @@ inline int linksBrokenBy( const Drop& drop, unsigned seed )
 	Random random( seed );
 	SoftWorld world;
 	world.addBoxFloor();
-	Material material;
+	Material material = test::explicitMaterial();
 	material.density = 300.0f;
 	material.youngsModulus = 3e4f;
 	material.damping = 25.0f;

@@ -3,6 +3,7 @@
 // Plastic bodies at the limits of their settings, dropped or shaken in empty space: the energy they have afterwards.
 
 #include "support/energy_of_motion.h"
+#include "support/explicit_material.h"
 #include "support/test_world.h"
 
 #include <algorithm>
@@ -13,7 +14,7 @@ namespace pliant::test {
 
 struct PlasticScene
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	int coarseLevels = 0;
 	bool isThin = false;   ///< a plate of one cell; else a cube of 4 cells
 	bool isDropped = true; ///< from .3 m; else shaken: each node at its own random velocity

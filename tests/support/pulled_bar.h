@@ -5,6 +5,7 @@
 #include "body/body.h"
 #include "body/breaking.h"
 #include "body/levels/levels.h"
+#include "support/explicit_material.h"
 #include "support/shapes.h"
 
 #include <Eigen/Eigenvalues>
@@ -81,7 +82,7 @@ public:
 		};
 		const auto lattice = std::make_shared<const Lattice>(
 			makeShapeLattice( { scratch, scratch, int( kHeight ) }, float( kCell ), isInside ) );
-		Material material;
+		Material material = test::explicitMaterial();
 		material.youngsModulus = 1e5f;
 		material.wobbleDamping = bar.rings ? 0.0f : material.wobbleDamping;
 		m_alpha = planStiffness( material, float( kCell ), 4.0f * kStep, 4 ).alpha;

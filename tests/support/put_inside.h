@@ -3,6 +3,7 @@
 // Soft cubes of .6 m that are created inside another object: whether and how fast they come out.
 
 #include "support/energy_of_motion.h"
+#include "support/explicit_material.h"
 #include "support/test_world.h"
 
 #include <algorithm>
@@ -64,7 +65,7 @@ inline CameOut putInside( const PutInside& how )
 {
 	SoftWorld t;
 	t.addBoxFloor();
-	Material material;
+	Material material = test::explicitMaterial();
 	material.elasticity = how.elasticity;
 	material.youngsModulus = float( how.youngsModulus );
 	Adaptivity adaptivity;

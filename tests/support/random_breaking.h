@@ -6,6 +6,7 @@
 #include "body/levels/levels.h"
 #include "fracture/cut_links.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +31,7 @@ public:
 	{
 		Adaptivity settings;
 		settings.coarseLevels = int( seed % 3 );
-		Material material;
+		Material material = test::explicitMaterial();
 		material.youngsModulus = 1e5f;
 		material.volumeKeeping = seed % 5 == 0 ? 0.5f : 0.0f;
 		Result<std::unique_ptr<Body>> made = Body::create( m_whole, material, {}, nullptr, settings );

@@ -3,6 +3,7 @@
 // Random impacts of soft bodies without damping and gravity. The same seed gives the same impacts on every machine.
 
 #include "support/energy_of_motion.h"
+#include "support/explicit_material.h"
 #include "support/test_world.h"
 
 #include <algorithm>
@@ -27,7 +28,7 @@ private:
 
 inline Material undamped( float youngsModulus, Elasticity elasticity )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = youngsModulus;
 	material.damping = 0.0f;
 	material.elasticity = elasticity;

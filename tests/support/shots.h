@@ -2,6 +2,7 @@
 
 // Soft bodies shot at fixed walls with random (seeded) bodies, speeds, spins, angles and positions. None may end up behind the wall.
 
+#include "support/explicit_material.h"
 #include "support/test_world.h"
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
@@ -216,7 +217,7 @@ private:
 
 	static Material materialOf( const ShotResult& result, Elasticity elasticity )
 	{
-		Material material;
+		Material material = test::explicitMaterial();
 		material.youngsModulus = float( result.youngsModulus );
 		material.elasticity = elasticity;
 		material.regionHalfWidth = result.shot == Shot::WideCube || result.shot == Shot::Touchy ? 2 : 1;

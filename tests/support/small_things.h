@@ -3,6 +3,7 @@
 // Small things thrown at soft blocks that are met as drawn: which of them have sunk in a second later.
 
 #include "lattice/test_meshes.h"
+#include "support/explicit_material.h"
 #include "support/surface_queries.h"
 #include "support/test_world.h"
 
@@ -40,7 +41,7 @@ public:
 		LatticeSettings settings;
 		settings.cellSize = kCell;
 		settings.contactSurface = true;
-		Material material;
+		Material material = test::explicitMaterial();
 		material.youngsModulus = 5e5f;
 		material.elasticity = elasticity;
 		static const std::shared_ptr<const BodyTemplate> shape =

@@ -2,6 +2,7 @@
 
 // Stacks of soft cubes, with or without rigid boxes between them, each element dropped from a small height.
 
+#include "support/explicit_material.h"
 #include "support/test_world.h"
 
 #include <algorithm>
@@ -28,7 +29,7 @@ struct StackScene : SoftWorld
 		world.setGravity( btVector3( 0, -10, 0 ) );
 		addBoxFloor();
 		const auto shape = cubeTemplate( 0.6f, 6 );
-		Material material;
+		Material material = test::explicitMaterial();
 		material.youngsModulus = stack.youngsModulus;
 		material.elasticity = stack.elasticity;
 		double y = stack.gap;

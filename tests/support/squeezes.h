@@ -3,6 +3,7 @@
 // A soft cube of .6 m and 6 cells pressed flat by a plate, or in a slot between two walls closer than its width.
 
 #include "support/energy_of_motion.h"
+#include "support/explicit_material.h"
 #include "support/strain_energy.h"
 #include "support/test_world.h"
 
@@ -82,7 +83,7 @@ inline Squeezed squeeze( const Squeeze& how )
 	SoftWorld t;
 	t.addBoxFloor();
 	t.world.setMaxSoftSubsteps( 64 ); // all elastic energy is then in the regions
-	Material material;
+	Material material = test::explicitMaterial();
 	material.elasticity = how.elasticity;
 	material.youngsModulus = float( how.youngsModulus );
 	material.yieldStrain = how.yieldStrain;
@@ -125,8 +126,9 @@ inline Squeezed squeeze( const Squeeze& how )
 	{
 		t.world.addRigidBody( each );
 	}
-	std::printf( "%s of %.2f m, %s, E %.0e, %d levels, yield %.2f, %.0f s: impulse a step %.0f N s in the first half, %.0f at last; let go %.0f J "
-				 "of %.0f + %.0f, up to %.2f m\n",
+	std::printf(
+		"%s of %.2f m, %s, E %.0e, %d levels, yield %.2f, %.0f s: impulse a step %.0f N s in the first half, %.0f at last; let go %.0f J "
+		"of %.0f + %.0f, up to %.2f m\n",
 		how.isSlot ? "slot" : "plate", how.gap, how.elasticity == Elasticity::Implicit ? "implicit" : "explicit", how.youngsModulus,
 		how.coarseLevels, double( how.yieldStrain ), how.seconds, result.early, result.late, result.motion, result.strain, result.out,
 		result.top );

@@ -1,6 +1,7 @@
 // What a change of levels moves the skin by: looked for where something was measured anew, and found as if it were looked for everywhere.
 
 #include "body/levels/levels.h"
+#include "support/explicit_material.h"
 #include "surface/crack_pieces.h"
 #include "surface/skin/rows_of_cells.h"
 #include "surface/skin/skin_fade.h"
@@ -51,7 +52,8 @@ std::unique_ptr<Body> bodyInMotion( const Lattice& lattice )
 {
 	Adaptivity settings;
 	settings.coarseLevels = 2;
-	Result<std::unique_ptr<Body>> made = Body::create( std::make_shared<const Lattice>( lattice ), Material{}, {}, nullptr, settings );
+	Result<std::unique_ptr<Body>> made = Body::create(
+		std::make_shared<const Lattice>( lattice ), test::explicitMaterial(), {}, nullptr, settings );
 	EXPECT_TRUE( made.ok() ) << made.status.sentence;
 	NodeState& nodes = made.value->nodes();
 	for ( int i = 0; i < nodes.count; ++i )

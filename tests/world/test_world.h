@@ -2,6 +2,7 @@
 
 // A world for tests: Bullet's usual parts, a floor, boxes and soft blocks.
 
+#include "support/explicit_material.h"
 #include "support/test_world.h"
 
 #include <pliant/soft_body_world.h>
@@ -36,7 +37,7 @@ inline std::shared_ptr<const BodyTemplate> block( int nx, int ny, int nz, float 
 
 inline Material stiff( float youngsModulus )
 {
-	Material material;
+	Material material = test::explicitMaterial();
 	material.youngsModulus = youngsModulus;
 	return material;
 }

@@ -47,11 +47,11 @@ enum class Stiffness : int
 /// How elasticity is integrated in time.
 enum class Elasticity : int
 {
-	Explicit, ///< the papers' step: cheap; stiff materials and heavy loads need substeps. Default.
+	Explicit, ///< the papers' step: cheap; stiff materials and heavy loads need substeps
 	Implicit, ///< any stiffness and any load at the game step, at a higher cost per step (docs/design/implicit.md). Needs Method::Lattice,
 			  ///< Weights::Conserving, RotationFrom::Apq and farLevels 0.
 	Automatic ///< Implicit where the explicit step cannot reach the stiffness or a heavy load rests on the body's island, else Explicit.
-			  ///< Bodies that cannot step implicitly step explicitly; SoftBody::implicitStatus gives the reason.
+			  ///< Bodies that cannot step implicitly step explicitly; SoftBody::implicitStatus gives the reason. Default.
 };
 
 /// Settings of a material. `check` refuses values out of range (BadMaterial).
@@ -60,10 +60,11 @@ struct Material
 	/// Density, kg/m^3, (0, 1e6].
 	float density = 1000.0f;
 
-	/// Young's modulus, Pa, above 0 and finite. The explicit step reaches it up to a limit that grows with the number of substeps and with
-	/// regionHalfWidth; beyond it the stiffest stable setting is used and the body is reported (StiffnessPlan,
+	/// Young's modulus, Pa, finite. 0, the default: defaultYoungsModulus of the body, so that bodies of any size carry ten times their own
+	/// mass; SoftBody::material returns the value, and fragments keep it. The explicit step reaches it up to a limit that grows with the
+	/// number of substeps and with regionHalfWidth; beyond it the stiffest stable setting is used and the body is reported (StiffnessPlan,
 	/// StepReport::unreachableStiffness). Not used by Method::SingleCluster, whose stiffness is `alpha`.
-	float youngsModulus = 2.0e4f;
+	float youngsModulus = 0.0f;
 
 	/// Whether `youngsModulus` or `alpha` sets the stiffness.
 	Stiffness stiffness = Stiffness::YoungsModulus;
@@ -112,7 +113,7 @@ struct Material
 	float wobbleDamping = 0.15f;
 
 	/// How elasticity is integrated in time. A build without Feature::Implicit refuses Elasticity::Implicit (BadArgument).
-	Elasticity elasticity = Elasticity::Explicit;
+	Elasticity elasticity = Elasticity::Automatic;
 
 	/// Numerical damping of the implicit step, [0, 1]: 1 stops vibrations within a few periods at a step of 1/60 s and is the most robust;
 	/// 0 leaves damping to `damping` and `wobbleDamping`. Rigid motion and momentum are not affected. Implicit step only.
@@ -151,6 +152,11 @@ struct StiffnessField
 /// BadArgument where this build lacks a feature that the material needs.
 PLIANT_API Status check( const Material& material );
 
+/// Returns the Young's modulus of a body whose material sets none, Pa: E = 100 rho g L, g = 9.81 m/s^2. Its own weight compresses a cube of
+/// edge L by half a per cent, ten times its mass on top by a tenth. `density`: kg/m^3; `length` L: longest edge of the rest shape's box, m;
+/// both above 0 and finite, else 0 is returned. A cube of water's density and 1 m has that of soft rubber, 1e6 Pa.
+[[nodiscard]] PLIANT_API float defaultYoungsModulus( float density, float length );
+
 /// The stiffness that a material has at a given step and cell size.
 struct StiffnessPlan
 {
@@ -163,7 +169,7 @@ struct StiffnessPlan
 /// Computes alpha = 3 E h^2 / ( rho d^2 w ( w + 1 ) ), limited to 1; far levels contribute the rest (docs/design/step.md). h: one substep,
 /// s; d: `cellSize`, m. For clusters of edge e, ( e^2 - 1 ) / 4 replaces w ( w + 1 ). `gameStep`: s; `substeps`: per game step. The
 /// material must pass `check`, cellSize and gameStep be above 0 and substeps at least 1: an assertion; without assertions a plan that is
-/// not reachable.
+/// not reachable. Neither is that of a material whose youngsModulus is 0 and not yet that of a body.
 [[nodiscard]] PLIANT_API StiffnessPlan planStiffness( const Material& material, float cellSize, float gameStep, int substeps );
 
 } // namespace pliant

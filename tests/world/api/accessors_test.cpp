@@ -1,5 +1,6 @@
 // What can be set can be read back; what is asked for an index out of range is answered; each kind of mistake has its code.
 
+#include "support/explicit_material.h"
 #include "world/levels/adaptive_bodies.h"
 
 #include <pliant/build.h>
@@ -162,7 +163,7 @@ TEST( Accessors, TheCodeFollowsTheKindOfMistake )
 	TestWorld t;
 	const auto shape = block( 3, 3, 3, 0.1f );
 	SoftBody* cube = t.addSoft( shape, at( 0, 0, 0 ) );
-	Material soft;
+	Material soft = test::explicitMaterial();
 	soft.beta = 2.0f;
 	EXPECT_EQ( cube->setMaterial( soft ).code, ResultCode::BadMaterial );
 	Fracture brittle;
@@ -171,7 +172,7 @@ TEST( Accessors, TheCodeFollowsTheKindOfMistake )
 	EXPECT_EQ( cube->setFracture( brittle ).code, ResultCode::BadSettings );
 	EXPECT_EQ( cube->fracture().rule, BreakRule::Never );
 	EXPECT_EQ( SoftBody::create( shape, at( 0, 0, 0 ), {}, levels( 9 ) ).status.code, ResultCode::BadSettings );
-	Material cluster;
+	Material cluster = test::explicitMaterial();
 	cluster.method = Method::SingleCluster;
 	EXPECT_EQ( SoftBody::create( shape, at( 0, 0, 0 ), cluster, levels( 1 ) ).status.code, ResultCode::BadSettings );
 	brittle.breakStrain = 0.3f;

@@ -1,5 +1,6 @@
 // Objects may be destroyed in any order, and a bad number in one body does not affect others.
 
+#include "support/explicit_material.h"
 #include "world/test_world.h"
 
 #include "world/bodies/soft_body_impl.h"
@@ -296,7 +297,7 @@ TEST( Lifetime, RefusesInvalidArguments )
 	btTransform bad = at( 0, 0, 0 );
 	bad.setOrigin( btVector3( std::numeric_limits<btScalar>::quiet_NaN(), 0, 0 ) );
 	EXPECT_EQ( SoftBody::create( block( 2, 2, 2, 0.1f ), bad ).status.code, ResultCode::BadArgument );
-	Material material;
+	Material material = test::explicitMaterial();
 	material.density = -1.0f;
 	EXPECT_EQ( SoftBody::create( block( 2, 2, 2, 0.1f ), at( 0, 0, 0 ), material ).status.code, ResultCode::BadMaterial );
 }

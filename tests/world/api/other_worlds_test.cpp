@@ -1,6 +1,7 @@
 // Soft bodies in each of Bullet's worlds, and in a game's own subclass of one.
 
 #include "support/bullet_worlds.h"
+#include "support/explicit_material.h"
 #include "world/test_world.h"
 
 #include <BulletDynamics/Featherstone/btMultiBody.h>
@@ -73,7 +74,7 @@ TYPED_TEST_SUITE( OtherWorlds, Bases );
 
 Material materialOf( Elasticity elasticity )
 {
-	Material made;
+	Material made = test::explicitMaterial();
 	made.youngsModulus = 1e6f;
 	made.elasticity = elasticity;
 	return made;

@@ -2,6 +2,7 @@
 // threads (BT_THREADSAFE), as Debian's, the same on one; .ci/run builds one that is.
 
 #include "support/bullet_worlds.h"
+#include "support/explicit_material.h"
 #include "world/test_world.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h>
@@ -161,7 +162,7 @@ private:
 	}
 	SoftBody* addCube( const btTransform& where, Elasticity elasticity, const Fracture& fracture )
 	{
-		Material material;
+		Material material = test::explicitMaterial();
 		material.youngsModulus = 1e6f;
 		material.elasticity = elasticity;
 		SoftBodyResult made = SoftBody::create( test::block( 4, 4, 4, 0.25f ), where, material );

@@ -1,6 +1,7 @@
 // ContactSolver is bit-identical to Bullet's solver: in heaps, with static, driven and pinned bodies, restitution, anisotropic and rolling
 // friction, joints, and in modes that it delegates to Bullet.
 
+#include "support/explicit_material.h"
 #include "support/test_world.h"
 
 #include "pliant/contact_solver.h"
@@ -28,7 +29,7 @@ struct Heap
 		scene.world.setConstraintSolver( solver.get() );
 		scene.addBoxFloor();
 		const auto cube = cubeTemplate( 0.6f, 4 );
-		Material material;
+		Material material = test::explicitMaterial();
 		material.youngsModulus = 3e4f;
 		for ( int i = 0; i < 5; ++i )
 		{

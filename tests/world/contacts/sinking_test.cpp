@@ -2,6 +2,7 @@
 // these tests fails.
 
 #include "bench/bench_pile.h"
+#include "support/explicit_material.h"
 
 #include "world/bodies/soft_body_impl.h"
 
@@ -75,7 +76,7 @@ TEST( Sinking, AHeavyBoxDoesNotSink )
 	{
 		SoftWorld scene;
 		scene.addBoxFloor();
-		Material material;
+		Material material = test::explicitMaterial();
 		material.youngsModulus = 3e4f;
 		material.elasticity = elasticity;
 		SoftBody* const foam = scene.add( cubeTemplate( 0.6f, 6 ), btVector3( 0, btScalar( 0.3 ), 0 ), material );
@@ -96,7 +97,7 @@ TEST( Sinking, TwoFastBodiesDoNotSink )
 	{
 		SoftWorld scene;
 		scene.world.setGravity( btVector3( 0, 0, 0 ) );
-		Material material;
+		Material material = test::explicitMaterial();
 		material.youngsModulus = 1e5f;
 		const auto cube = cubeTemplate( 0.6f, 6 );
 		SoftBody* const one = scene.add( cube, btVector3( -1, 0, 0 ), material );

@@ -111,17 +111,29 @@ const Misuse kTemplates[] = {
 			return Answers{ check( ohtaAdaptivity( -1 ) ), check( ohtaAdaptivity( INT_MAX ) ) };
 		},
 		"Adaptivity" },
-#ifdef NDEBUG // with assertions this ends the program
-	{ "planStiffness", ResultCode::Ok,
+	{ "defaultYoungsModulus", ResultCode::Ok,
 		[]( Scene& ) {
 			Answers all;
 			for ( const float bad : { 0.0f, -1.0f, std::nanf( "" ), std::numeric_limits<float>::infinity() } )
 			{
-				all.push_back( answers( !planStiffness( Material{}, bad, 0.01f, 4 ).reachable ) );
-				all.push_back( answers( !planStiffness( Material{}, 0.1f, bad, 4 ).reachable ) );
-				all.push_back( answers( !planStiffness( changed( Material{}, &Material::density, bad ), 0.1f, 0.01f, 4 ).reachable ) );
+				all.push_back( answers( defaultYoungsModulus( bad, 1.0f ) == 0.0f ) );
+				all.push_back( answers( defaultYoungsModulus( 1000.0f, bad ) == 0.0f ) );
 			}
-			all.push_back( answers( !planStiffness( Material{}, 0.1f, 0.01f, 0 ).reachable ) );
+			return all;
+		} },
+#ifdef NDEBUG // with assertions this ends the program
+	{ "planStiffness", ResultCode::Ok,
+		[]( Scene& ) {
+			Answers all;
+			const Material sound = changed( Material{}, &Material::youngsModulus, 1e5f );
+			all.push_back( answers( !planStiffness( Material{}, 0.1f, 0.01f, 4 ).reachable ) );
+			for ( const float bad : { 0.0f, -1.0f, std::nanf( "" ), std::numeric_limits<float>::infinity() } )
+			{
+				all.push_back( answers( !planStiffness( sound, bad, 0.01f, 4 ).reachable ) );
+				all.push_back( answers( !planStiffness( sound, 0.1f, bad, 4 ).reachable ) );
+				all.push_back( answers( !planStiffness( changed( sound, &Material::density, bad ), 0.1f, 0.01f, 4 ).reachable ) );
+			}
+			all.push_back( answers( !planStiffness( sound, 0.1f, 0.01f, 0 ).reachable ) );
 			return all;
 		} },
 #endif

@@ -1,6 +1,7 @@
 // Material::rigidStrain: bodies that hardly deform move as rigid ones, and deform again when something asks for it.
 
 #include "body/rigid_state.h"
+#include "support/explicit_material.h"
 #include "support/mesh_of_boxes.h"
 #include "support/momentum.h"
 #include "world/bodies/soft_body_impl.h"
@@ -393,7 +394,7 @@ TEST( RigidStrain, IsRefusedOutOfRange )
 {
 	for ( const float bad : { -0.1f, 0.2f, std::nanf( "" ) } )
 	{
-		Material material;
+		Material material = test::explicitMaterial();
 		material.rigidStrain = bad;
 		EXPECT_EQ( check( material ).code, ResultCode::BadMaterial );
 	}

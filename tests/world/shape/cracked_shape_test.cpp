@@ -1,5 +1,6 @@
 // The spheres of a cracking body: its shape is kept unless many nodes leave it, and equals a newly built one.
 
+#include "support/explicit_material.h"
 #include "world/test_world.h"
 
 #include "world/bodies/soft_body_impl.h"
@@ -57,7 +58,7 @@ TEST( NodeSpheres, GrowWithTheFillOfTheirCells )
 	{
 		lattice->fill[i] = i < 30 ? 1.0f : 0.25f * float( 1 + i / 2 % 3 );
 	}
-	const std::unique_ptr<Body> body = std::move( Body::create( lattice, Material{}, {} ).value );
+	const std::unique_ptr<Body> body = std::move( Body::create( lattice, test::explicitMaterial(), {} ).value );
 	const NodeShape shape( *body );
 	for ( int i = 0; i < body->nodeCount(); ++i )
 	{

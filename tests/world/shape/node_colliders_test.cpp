@@ -5,6 +5,7 @@
 #include "fracture/cut_links.h"
 #include "lattice/inside/inside_distance.h"
 #include "support/block_body.h"
+#include "support/explicit_material.h"
 #include "support/shapes.h"
 #include "world/shape/node_colliders.h"
 
@@ -89,7 +90,7 @@ TEST( NodeColliders, FollowCutsAndHealing )
 		const auto whole = std::make_shared<const Lattice>( test::makeBlobLattice( 24, 0.05f, seed ) );
 		Adaptivity settings;
 		settings.coarseLevels = 1 + int( seed % 3 );
-		std::unique_ptr<Body> body = std::move( Body::create( whole, Material{}, {}, nullptr, settings ).value );
+		std::unique_ptr<Body> body = std::move( Body::create( whole, test::explicitMaterial(), {}, nullptr, settings ).value );
 		test::Seeded random( seed );
 		for ( int event = 0; event < 14; ++event )
 		{

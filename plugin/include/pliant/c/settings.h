@@ -21,9 +21,9 @@ enum
 /// pliant_material::elasticity.
 enum
 {
-	PLIANT_ELASTICITY_EXPLICIT = 0, ///< cheap; stiff materials and heavy loads need substeps. Default.
+	PLIANT_ELASTICITY_EXPLICIT = 0, ///< cheap; stiff materials and heavy loads need substeps
 	PLIANT_ELASTICITY_IMPLICIT,     ///< any stiffness and load, at a higher cost per step
-	PLIANT_ELASTICITY_AUTOMATIC     ///< implicit where it is needed
+	PLIANT_ELASTICITY_AUTOMATIC     ///< implicit where it is needed. Default.
 };
 
 /// pliant_material::method.
@@ -47,7 +47,7 @@ typedef struct pliant_material
 {
 	uint32_t size;             ///< of the structure, bytes
 	float density;             ///< kg/m^3, (0, 1e6]. Default 1000.
-	float youngs_modulus;      ///< Pa, above 0. Default 2e4.
+	float youngs_modulus;      ///< Pa. Default 0: by the body's size and density.
 	int32_t stiffness;         ///< PLIANT_STIFFNESS_...
 	float alpha;               ///< (0, 1], with PLIANT_STIFFNESS_RAW_ALPHA and single clusters. Default 1.
 	float beta;                ///< blend towards linear or quadratic goals, [0, 0.95]. Default 0.

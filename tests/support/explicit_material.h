@@ -1,0 +1,18 @@
+#pragma once
+
+// The material of tests that are about the explicit step, whatever the default step and stiffness are.
+
+#include <pliant/material.h>
+
+namespace pliant::test {
+
+/// Returns a material that steps explicitly. `youngsModulus`: Pa.
+inline Material explicitMaterial( float youngsModulus = 2e4f )
+{
+	Material material;
+	material.youngsModulus = youngsModulus;
+	material.elasticity = Elasticity::Explicit;
+	return material;
+}
+
+} // namespace pliant::test

@@ -1,0 +1,119 @@
+// What a game gets that sets nothing but a mesh: cubes of very different sizes stand, carry, are thrown, and sleep, like rubber.
+
+#include "support/test_world.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pliant {
+namespace {
+
+using test::SoftWorld;
+
+constexpr int kCells = 6; // along an edge
+
+class Defaults : public testing::TestWithParam<float>
+{
+protected:
+	float edge() const { return GetParam(); }
+	SoftBody* addCube( SoftWorld& t, float height ) const
+	{
+		return t.add( test::cubeTemplate( edge(), kCells ), btVector3( 0, btScalar( height * edge() ), 0 ) );
+	}
+	/// Longer for large bodies, whose vibrations last longer in proportion to the root of their size.
+	int mostFrames( float seconds = 15.0f ) const { return int( 60.0f * seconds * std::max( 1.0f, std::sqrt( edge() ) ) ); }
+	/// Steps until all sleep. Returns the number of frames.
+	int frames( SoftWorld& t, float seconds = 15.0f ) const
+	{
+		int frame = 0;
+		const auto isActive = []( const auto& body ) { return body->isActive(); };
+		while ( frame < mostFrames( seconds ) && std::any_of( t.soft.begin(), t.soft.end(), isActive ) )
+		{
+			t.step( 1 );
+			++frame;
+		}
+		return frame;
+	}
+};
+
+TEST_P( Defaults, AreThoseOfTheBodysSize )
+{
+	SoftWorld t;
+	SoftBody* const cube = addCube( t, 1.0f );
+	const float modulus = defaultYoungsModulus( 1000.0f, edge() );
+	EXPECT_NEAR( modulus, 9.80665e5f * edge(), 1e-3f * modulus );
+	EXPECT_FLOAT_EQ( cube->material().youngsModulus, modulus );
+	Material material;
+	material.density = 500.0f;
+	ASSERT_TRUE( cube->setMaterial( material ).ok() );
+	EXPECT_FLOAT_EQ( cube->material().youngsModulus, 0.5f * modulus );
+}
+
+TEST_P( Defaults, ADroppedCubeRests )
+{
+	SoftWorld t;
+	t.addFloor();
+	SoftBody* const cube = addCube( t, 1.5f );
+	const int slept = frames( t );
+	std::printf( "edge %.2f m: asleep after %d frames at %.3f of the edge\n", double( edge() ), slept,
+		double( cube->massCentre().y() ) / double( edge() ) );
+	EXPECT_LT( slept, mostFrames() );
+	EXPECT_NEAR( double( cube->massCentre().y() ), 0.5 * double( edge() ), 0.01 * double( edge() ) );
+}
+
+TEST_P( Defaults, AStackOfFourStands )
+{
+	SoftWorld t;
+	t.addFloor();
+	for ( int k = 0; k < 4; ++k )
+	{
+		addCube( t, 0.5f + 1.05f * float( k ) );
+	}
+	const int slept = frames( t );
+	const btVector3 top = t.soft.back()->massCentre() / edge();
+	std::printf( "edge %.2f m: asleep after %d frames, the highest at %.3f\n", double( edge() ), slept, double( top.y() ) );
+	EXPECT_LT( slept, mostFrames() );
+	EXPECT_GT( top.y(), btScalar( 3.4 ) );
+	EXPECT_LT( std::hypot( top.x(), top.z() ), btScalar( 0.1 ) );
+}
+
+// sigma / E = 10 m g / ( L^2 E ) is a tenth; the cube's own weight adds half a per cent.
+TEST_P( Defaults, ACubeCarriesTenTimesItsMass )
+{
+	SoftWorld t;
+	t.addFloor();
+	SoftBody* const cube = addCube( t, 0.5f );
+	const btScalar half = btScalar( 0.5 * edge() );
+	auto* const shape = new btBoxShape( btVector3( half, half / 2, half ) );
+	shape->setMargin( btScalar( 0.01 ) * half );
+	btRigidBody* const box = t.add( 10 * cube->mass(), shape, btVector3( 0, btScalar( 1.26 * edge() ), 0 ) );
+	const int slept = frames( t );
+	const btScalar height = ( box->getWorldTransform().getOrigin().y() - half / 2 ) / edge();
+	std::printf( "edge %.2f m: asleep after %d frames, compressed to %.3f\n", double( edge() ), slept, double( height ) );
+	EXPECT_LT( slept, mostFrames() );
+	EXPECT_NEAR( height, btScalar( 0.905 ), btScalar( 0.025 ) );
+	EXPECT_GT( box->getWorldTransform().getBasis()[1][1], btScalar( 0.999 ) );
+}
+
+TEST_P( Defaults, AThrownCubeComesToRest )
+{
+	SoftWorld t;
+	t.addFloor();
+	SoftBody* const cube = addCube( t, 1.0f );
+	const btScalar speed = btScalar( 3.0 * std::sqrt( 9.81 * double( edge() ) ) ); // m/s
+	ASSERT_TRUE( cube->setVelocities( btVector3( speed, speed / 3, 0 ), btVector3( 0, 0, -2 * speed / edge() ) ).ok() );
+	const int slept = frames( t, 30.0f ); // it bounces on as rubber does
+	std::printf(
+		"edge %.2f m: asleep after %d frames, %.1f edges away\n", double( edge() ), slept, double( cube->massCentre().x() / edge() ) );
+	EXPECT_LT( slept, mostFrames( 30.0f ) );
+	EXPECT_NEAR( double( cube->massCentre().y() ), 0.5 * double( edge() ), 0.02 * double( edge() ) );
+}
+
+INSTANTIATE_TEST_SUITE_P( Edges, Defaults, testing::Values( 0.05f, 0.1f, 0.5f, 1.0f, 10.0f ),
+	[]( const testing::TestParamInfo<float>& edges ) { return "Edge" + std::to_string( int( 100.0f * edges.param + 0.5f ) ) + "cm"; } );
+
+} // namespace
+} // namespace pliant
