@@ -118,6 +118,9 @@ inline constexpr double kLeastBounceStep = 1e-4;
 
 /// Energy added by an implicit block's contacts, relative to all they transfer, that counts as rounding error; ends that iteration too.
 inline constexpr double kBounceSlack = 1e-4;
+/// A step resolves a body's own vibrations while sound travels at most this fraction of the body's size in it: an impact on a heavy object
+/// then takes some 20 steps. From the whole size on the impact is over within a step, and restitution alone makes it rebound.
+inline constexpr double kResolvedTravel = 0.25;
 
 // The implicit step's contacts (docs/design/implicit.md says how each was found).
 /// A contact's stiffness in units of its nodes' own resistance.

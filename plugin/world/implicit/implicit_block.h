@@ -79,6 +79,7 @@ struct SoftPart
 	int offset = 0;                            ///< of its velocities in the vector
 	std::vector<Vec3d> angularVelocity;        ///< of each connected part, rad/s; computed on demand
 	int firstConnected = 0;                    ///< index of its first connected part in m_connected
+	double restitutionFraction = 1.0;          ///< of restitution, against heavy objects (implicit_choice.h)
 };
 
 /// A rigid body, or a link of a multibody (moved_object.h).

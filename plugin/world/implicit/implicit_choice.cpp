@@ -72,7 +72,30 @@ void addContact( btPersistentManifold& manifold, int side, const btDiscreteDynam
 	}
 }
 
+/// Returns how far sound travels in a step, in body sizes.
+double travelOfSound( const SoftBody& body, double h )
+{
+	const double density = double( body.material().density );
+	return h * std::sqrt( double( body.material().youngsModulus ) / density ) / std::cbrt( body.impl().mass / density );
+}
+
 } // namespace
+
+bool resolvesVibrations( const SoftBody& body, double h )
+{
+	return body.material().numericalDamping < 1.0f && travelOfSound( body, h ) <= kResolvedTravel;
+}
+
+double restitutionFraction( const SoftBody& body, double h )
+{
+	const double kept = 1.0 - double( body.material().numericalDamping );
+	if ( kept == 0.0 )
+	{
+		return 1.0;
+	}
+	const double above = std::clamp( ( travelOfSound( body, h ) - kResolvedTravel ) / ( 1.0 - kResolvedTravel ), 0.0, 1.0 );
+	return 1.0 - kept * ( 1.0 - above * above * ( 3.0 - 2.0 * above ) ); // smooth at both ends
+}
 
 // Contacts are visited only if some body could take the implicit step for its loads alone.
 void ImplicitChoice::measureLoads( btDiscreteDynamicsWorld& world )

@@ -1,6 +1,7 @@
 #pragma once
 
-// Elasticity::Automatic: chooses the bodies that take the implicit step in the next game step. docs/design/implicit.md, "Automatic".
+// Elasticity::Automatic: chooses the bodies that take the implicit step in the next game step, and those of them that take it in every
+// substep. docs/design/implicit.md, "Automatic" and "Rebound".
 
 class btDiscreteDynamicsWorld;
 
@@ -39,5 +40,13 @@ struct ElasticityState
 	double heaviestLoad = 0.0;            ///< mass of the heaviest object that rests on it, kg
 	double impulse = 0.0, nodeMass = 0.0; ///< impulse on its touched nodes, N s, and their mass, kg
 };
+
+/// Returns true for an implicit body whose vibrations are to be kept (Material::numericalDamping below 1) where a step of `h`, s, resolves
+/// them.
+bool resolvesVibrations( const SoftBody& body, double h );
+
+/// Returns the fraction of restitution that acts on an implicit body against a heavy object in a step of `h`, s, [0, 1]: none where the
+/// step resolves the impact, from which the body rebounds by its own elasticity.
+double restitutionFraction( const SoftBody& body, double h );
 
 } // namespace pliant

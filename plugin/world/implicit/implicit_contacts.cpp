@@ -10,6 +10,7 @@
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 namespace pliant {
@@ -189,10 +190,43 @@ double rollingLag( const ContactProxy* const ( &nodes )[2], const BlockContact& 
 	return sum;
 }
 
+/// Mass of a contact's side, kg; infinite for prescribed velocities.
+double massOf( const ContactSide& side, const ImplicitBlock& block )
+{
+	return side.soft >= 0 ? double( block.soft[std::size_t( side.soft )].owner->mass() )
+		: side.rigid >= 0 ? block.rigid[std::size_t( side.rigid )].mass
+						  : HUGE_VAL;
+}
+
+/// Combined restitution, less where a body rebounds from a heavy object by its own elasticity.
+double restitutionOf( const BlockContact& contact, const ImplicitBlock& block )
+{
+	double restitution = double( contact.point->m_combinedRestitution );
+	for ( int k = 0; restitution > 0.0 && k < 2; ++k )
+	{
+		const ContactSide& side = contact.side[k];
+		if ( side.soft >= 0 )
+		{
+			const double own = massOf( side, block ), other = massOf( contact.side[1 - k], block );
+			const double weight = std::isinf( other ) ? 1.0 : other / ( own + other );
+			restitution *= 1.0 - weight * ( 1.0 - block.soft[std::size_t( side.soft )].restitutionFraction );
+		}
+	}
+	return restitution;
+}
+
+/// Velocity after a bounce that begins above the surface, m/s: that with which a body rises again that leaves the surface at e times its
+/// velocity there, v^2 = e^2 ( u^2 + 2 a d ) - 2 a d with the gap d and the acceleration a towards the surface.
+double bounceVelocity( double restitution, double impact, double gap, double acceleration )
+{
+	const double gained = 2.0 * acceleration * std::max( gap, 0.0 );
+	return std::sqrt( std::max( 0.0, restitution * restitution * ( impact * impact + gained ) - gained ) );
+}
+
 /// Sets b, the target separation speed: before touch it closes the gap within the step, in penetration it pushes out, and with restitution
 /// it bounces off the velocity at the start of the substep (implicit_restitution.cpp). `approach`: approach speed without contacts and
 /// elasticity, m/s. `rollingLag`, m/s, is added.
-void setTarget( BlockContact& contact, const btContactSolverInfo& info, double approach, double rollingLag )
+void setTarget( BlockContact& contact, const btContactSolverInfo& info, double approach, double rollingLag, const ImplicitBlock& block )
 {
 	const btManifoldPoint& point = *contact.point;
 	const double h = double( info.m_timeStep ), gap = double( point.m_distance1 );
@@ -200,10 +234,11 @@ void setTarget( BlockContact& contact, const btContactSolverInfo& info, double a
 	contact.targetWithoutBounce += rollingLag;
 	contact.target = contact.targetWithoutBounce;
 	const double impact = -contact.normal.dot( contact.velocityBefore );
-	contact.bounces = gap < approach * h && point.m_combinedRestitution > 0 && impact > double( info.m_restitutionVelocityThreshold );
+	const double restitution = restitutionOf( contact, block );
+	contact.bounces = gap < approach * h && restitution > 0.0 && impact > double( info.m_restitutionVelocityThreshold );
 	if ( contact.bounces )
 	{
-		contact.target = std::max( contact.targetWithoutBounce, double( point.m_combinedRestitution ) * impact );
+		contact.target = std::max( contact.targetWithoutBounce, bounceVelocity( restitution, impact, gap, ( approach - impact ) / h ) );
 	}
 }
 
@@ -274,7 +309,7 @@ void ImplicitContacts::gatherFrom(
 		ImplicitBlock& own = blocks[std::size_t( block )];
 		contact.velocityBefore = own.velocityBefore( contact );
 		const double rolling = contact.isDrawn ? rollingLag( nodes, contact, own, double( info.m_timeStep ) ) : 0.0;
-		setTarget( contact, info, -contact.normal.dot( own.freeVelocity( contact ) ), rolling );
+		setTarget( contact, info, -contact.normal.dot( own.freeVelocity( contact ) ), rolling, own );
 		blocks[std::size_t( block )].contacts.push_back( contact );
 		++m_count;
 	}

@@ -3,6 +3,7 @@
 #include "threads/parallel.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
+#include "world/implicit/implicit_choice.h"
 #include "world/joints/attachments.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
@@ -132,6 +133,7 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake, const Attac
 		part.owner = body;
 		part.motion = impl.isImplicit ? impl.body->implicit() : &impl.body->joinFreely();
 		part.velocityBefore = &impl.body->velocityBefore();
+		part.restitutionFraction = impl.isImplicit ? restitutionFraction( *body, m_h ) : 1.0;
 		block.soft.push_back( part );
 	}
 }

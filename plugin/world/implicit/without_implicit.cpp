@@ -16,6 +16,11 @@ bool ImplicitReach::takesPart( int, const btCollisionObject& ) const
 	return false;
 }
 
+bool resolvesVibrations( const SoftBody&, double )
+{
+	return false;
+}
+
 int ImplicitSolve::blockOf( const SoftBody& ) const
 {
 	return -1;

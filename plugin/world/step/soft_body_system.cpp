@@ -39,10 +39,18 @@ int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<
 	m_substepped.clear();
 	for ( SoftBody* body : m_bodies )
 	{
-		if ( moves( *body ) && !body->impl().rigidProxy && !stepsImplicitly( *body ) && !isImplicitPoint( *body ) )
+		if ( !moves( *body ) || body->impl().rigidProxy || isImplicitPoint( *body ) )
+		{
+			continue;
+		}
+		const bool isImplicit = stepsImplicitly( *body );
+		if ( !isImplicit || resolvesVibrations( *body, double( gameStep ) / usual ) )
 		{
 			m_substepped.push_back( body );
 			count = std::max( count, usual );
+		}
+		if ( !isImplicit )
+		{
 			count = std::max( count, std::min( planOf( *body, gameStep, count ).substepsNeeded, maxSubsteps ) );
 		}
 	}
