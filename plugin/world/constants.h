@@ -243,6 +243,13 @@ inline constexpr double kLockedLinkMobility = 1e-3;
 inline constexpr double kConvexVolume = 1.3;
 /// Nodes that are not divided further, and the largest number of hulls of a body.
 inline constexpr int kLeastHullNodes = 12, kMostHulls = 32;
+/// Contacts of hulls last at least until they have parted or slid by this fraction of the hulls' margin, but not for that by more than
+/// kLongestLasting, m: what lies at rest falls 2.7 mm in a step of 1/60 s before its contacts hold it.
+inline constexpr btScalar kLastingContact = btScalar( 0.5 ), kLongestLasting = btScalar( 0.004 );
+/// Radius of the area in which hulls touch, in radii of a body's smallest node sphere.
+inline constexpr btScalar kContactArea = btScalar( 0.5 );
+/// A body that touches something turns by at most this angle in a step, rad: an eighth of a turn, as Bullet's rigid bodies.
+inline constexpr btScalar kFarthestTurn = btScalar( 0.785 );
 /// Game steps: until a new body is tested for its rigid state, between two tests, and for which a body deforms at least.
 inline constexpr int kRigidStart = 2, kRigidRetry = 3, kRigidPause = 6;
 /// A body whose hulls would be deeper in a neighbour than this, in radii of its smallest node sphere, deforms for kRigidBlocked more steps.

@@ -68,6 +68,7 @@ public:
 	/// Around Bullet's solver: manifolds refer to the rigid proxies of bodies in their rigid state.
 	void showRigidProxies( btDispatcher& dispatcher );
 	void hideRigidProxies( btDispatcher& dispatcher );
+	void brakeRigidProxies( btDispatcher& dispatcher );
 
 	/// Chooses the objects that take soft substeps in a game step of this length. Returns the number of substeps: the user's, or more if
 	/// the stiffest awake material needs them; 1 if no body takes substeps. `canSplit`: if false, either all objects take substeps or none.
