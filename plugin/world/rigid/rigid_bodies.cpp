@@ -105,6 +105,33 @@ bool canBrakeSpin( const btPersistentManifold& manifold )
 	return manifold.getNumContacts() > 0 && isKnown( manifold.getBody0() ) && isKnown( manifold.getBody1() );
 }
 
+template <class Visit>
+void forRigidContacts( btDispatcher& dispatcher, Visit&& visit )
+{
+	forEachManifold( dispatcher, prefetchEnd, [&visit]( btPersistentManifold& manifold ) {
+		if ( !ownerOfRigidProxy( manifold.getBody0() ) && !ownerOfRigidProxy( manifold.getBody1() ) )
+		{
+			return;
+		}
+		for ( int k = 0; k < manifold.getNumContacts(); ++k )
+		{
+			visit( manifold.getContactPoint( k ) );
+		}
+	} );
+}
+
+/// The deepest penetration that the solver sees, m. It corrects a fraction of it in a step.
+btScalar deepestSeen( const btContactSolverInfo& info )
+{
+	return kRigidParting * info.m_timeStep / btMax( info.m_erp2, kLeastCorrection );
+}
+
+/// Whether what bends the body has gone, mostly: it would keep its dent. `weight`: the body's own, N, which is a load on it too.
+bool isUnloaded( const SoftBody::Impl& impl, double weight )
+{
+	return impl.body->rigidState()->isBent && impl.rigidLoad.now - weight < kBentLoad * ( impl.rigidLoad.first - weight );
+}
+
 } // namespace
 
 bool SoftBodySystem::canBeRigid( const SoftBody& body ) const
@@ -148,7 +175,8 @@ void SoftBodySystem::deformLoaded( btScalar gameStep )
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		if ( impl.rigidProxy && ( impl.mustDeform || !canBeRigid( *body ) || isOverloaded( impl ) ) )
+		const double weight = double( impl.mass * gravityOf( *body ).length() );
+		if ( impl.rigidProxy && ( impl.mustDeform || !canBeRigid( *body ) || isOverloaded( impl ) || isUnloaded( impl, weight ) ) )
 		{
 			deform( *body );
 			removeContacts( *body );
@@ -175,7 +203,7 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 		SoftBody::Impl& impl = body->impl();
 		if ( impl.rigidProxy )
 		{
-			impl.rigidLoad.now = impl.rigidLoad.impulse / double( gameStep );
+			impl.rigidLoad.now = body->isActive() ? impl.rigidLoad.impulse / double( gameStep ) : impl.rigidLoad.now;
 			impl.rigidLoad.impulse = 0.0;
 			continue;
 		}
@@ -184,16 +212,11 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 			continue;
 		}
 		impl.rigidWait = kRigidRetry;
-		if ( canBeRigid( *body ) && impl.body->canBecomeRigid() )
+		if ( canBeRigid( *body ) && impl.body->canBecomeRigid( impl.restTime > kBentRest ) )
 		{
-			impl.rigidLoad = RigidLoad{ 0.0, 0.0, loadOn( *body ) };
+			const double load = loadOn( *body );
+			impl.rigidLoad = RigidLoad{ 0.0, load, load };
 			impl.becomeRigid( *body );
-			if ( overlapsNeighbours( *body ) ) // hulls of bent bodies hold more than their spheres, and would throw the neighbours
-			{
-				impl.becomeDeformable( *body );
-				impl.rigidWait = kRigidBlocked;
-				continue;
-			}
 			removeContacts( *body );
 		}
 	}
@@ -230,6 +253,8 @@ void SoftBodySystem::showRigidProxies( btDispatcher& dispatcher )
 			SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( side ) );
 			return soft ? static_cast<const btCollisionObject*>( soft->impl().rigidProxy.get() ) : nullptr;
 		} );
+		const btScalar deepest = deepestSeen( m_world.getSolverInfo() );
+		forRigidContacts( dispatcher, [deepest]( btManifoldPoint& point ) { point.m_distance1 = btMax( point.m_distance1, -deepest ); } );
 	}
 }
 
@@ -270,6 +295,13 @@ void SoftBodySystem::hideRigidProxies( btDispatcher& dispatcher )
 	{
 		return;
 	}
+	const btScalar deepest = deepestSeen( m_world.getSolverInfo() );
+	forRigidContacts( dispatcher, [deepest]( btManifoldPoint& point ) {
+		if ( point.m_distance1 == -deepest )
+		{
+			point.m_distance1 = ( point.m_positionWorldOnA - point.m_positionWorldOnB ).dot( point.m_normalWorldOnB );
+		}
+	} );
 	brakeRigidProxies( dispatcher );
 	exchangeSides( dispatcher, []( const btCollisionObject* side, const btPersistentManifold& manifold ) {
 		SoftBody* const owner = ownerOfRigidProxy( side );

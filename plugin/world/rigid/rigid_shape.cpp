@@ -48,6 +48,11 @@ std::vector<btVector3> hullPoints( const std::vector<Sphere>& spheres, const std
 {
 	static const std::vector<Vec3> kDirections = supportDirections();
 	std::vector<btVector3> points;
+	float largest = 0.0f;
+	for ( const int k : part )
+	{
+		largest = std::max( largest, spheres[std::size_t( k )].radius );
+	}
 	for ( const Vec3& direction : kDirections )
 	{
 		float furthest = -FLT_MAX;
@@ -62,10 +67,11 @@ std::vector<btVector3> hullPoints( const std::vector<Sphere>& spheres, const std
 				at = sphere.centre + ( sphere.radius - margin ) * direction;
 			}
 		}
-		const btVector3 point( at.x(), at.y(), at.z() );
-		if ( std::none_of( points.begin(), points.end(), [&]( const btVector3& other ) { return other == point; } ) )
+		const btVector3 along( direction.x(), direction.y(), direction.z() );
+		const btScalar enough = btScalar( furthest - margin - kHullTolerance * largest );
+		if ( std::none_of( points.begin(), points.end(), [&]( const btVector3& other ) { return other.dot( along ) >= enough; } ) )
 		{
-			points.push_back( point );
+			points.push_back( btVector3( at.x(), at.y(), at.z() ) );
 		}
 	}
 	return points;

@@ -30,6 +30,7 @@ namespace pliant {
 
 class WorldSnapshot;
 
+class ForecastMotions;
 class SoftBodySystem
 {
 public:
@@ -216,9 +217,7 @@ private:
 	double loadOn( const SoftBody& body ) const; ///< sum of the contact forces on a deformable body, N
 	void forecastImpacts( btScalar h );
 	bool mayTouch( SoftBody& body, btCollisionObject& other );
-	/// Whether the hulls of a body in its rigid state are deep in another object.
-	bool overlapsNeighbours( SoftBody& body );
-	void forecastImpact( SoftBody& body, btCollisionObject& other, btScalar h );
+	void forecastImpact( SoftBody& body, btCollisionObject& other, const ForecastMotions& motions, btScalar h );
 	void accelerateRigid( btScalar h );
 	void integrateRigid( btScalar h );
 
