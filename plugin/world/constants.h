@@ -259,7 +259,7 @@ inline constexpr btScalar kContactArea = btScalar( 0.5 );
 inline constexpr btScalar kFarthestTurn = btScalar( 0.785 );
 /// Game steps: until a new body is tested for its rigid state, between two tests, and for which a body deforms at least.
 inline constexpr int kRigidStart = 2, kRigidRetry = 3, kRigidPause = 6;
-/// Time for which a body has to be at rest before it may be rigid while it is bent, s.
+/// Time for which a body has to be slow, as after a fall over its largest node at most, before it may be rigid while it is bent, s.
 inline constexpr double kBentRest = 0.25;
 /// Velocity at which bodies in their rigid state part from what their hulls overlap, m/s, and the least fraction of a penetration that a
 /// solver corrects in a step, which this is computed with.

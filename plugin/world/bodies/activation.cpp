@@ -152,8 +152,8 @@ void SoftBodySystem::updateActivation( btScalar h )
 		impl.slowTime = impl.meanSquareSpeed < calm * calm ? impl.slowTime + double( h ) : 0.0;
 		const bool canSleep = state != DISABLE_DEACTIVATION && !gDisableDeactivation && gDeactivationTime > 0;
 		const btVector3 gravity = gravityOf( *body ) + impl.fieldAcceleration;
-		const double fallSquare = 2.0 * double( gravity.length() * impl.shape->smallestRadius() );
-		impl.restTime = impl.meanSquareSpeed < fallSquare * double( kContactSlop ) ? impl.restTime + double( h ) : 0.0;
+		const double fallSquare = 2.0 * double( gravity.length() * impl.shape->largestRadius() );
+		impl.restTime = impl.meanSquareSpeed < fallSquare ? impl.restTime + double( h ) : 0.0;
 		const bool maySleep = canSleep && isAtRest( impl, double( gravity.length() ) ) && !isDriven( *body );
 		body->setDeactivationTime( maySleep ? body->getDeactivationTime() + h : btScalar( 0 ) );
 		if ( state != DISABLE_DEACTIVATION )
