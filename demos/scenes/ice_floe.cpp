@@ -114,7 +114,6 @@ public:
 		order.material.density = kIceDensity;
 		order.material.youngsModulus = 5.0e6f;
 		order.material.damping = 40.0f;
-		order.material.rigidStrain = 0.1f;
 		order.fracture.rule = pliant::BreakRule::Shards;
 		order.fracture.breakStrain = 0.005f;
 		order.fracture.shardSize = 0.55f;
