@@ -37,6 +37,7 @@ public:
 		order.material.density = 1800.0f;
 		order.material.youngsModulus = 2.0e6f;
 		order.material.damping = 100.0f;
+		order.material.rigidStrain = 0.1f;
 		order.friction = btScalar( 0.7 );
 		order.colour = kTerracotta;
 		order.insideColour = kStone; // mortar

@@ -40,6 +40,7 @@ public:
 		order.material.density = 2500.0f;
 		order.material.youngsModulus = 8.0e6f;
 		order.material.damping = 100.0f;
+		order.material.rigidStrain = 0.1f;
 		order.fracture.rule = pliant::BreakRule::Shards;
 		order.fracture.breakStrain = 0.02f;
 		order.fracture.shardSize = 0.09f;

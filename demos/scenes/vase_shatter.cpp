@@ -46,7 +46,7 @@ public:
 		order.material.density = 1000.0f;
 		order.material.youngsModulus = 2.0e6f;
 		order.material.damping = 150.0f; // shards neither ring nor bounce
-		order.material.rigidStrain = 0.02f;
+		order.material.rigidStrain = 0.1f;
 		order.fracture.rule = pliant::BreakRule::Shards;
 		order.fracture.breakStrain = 0.035f;
 		order.fracture.shardSize = kVaseShatterShard;

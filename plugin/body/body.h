@@ -179,8 +179,8 @@ public:
 	/// Null while the body deforms.
 	const RigidState* rigidState() const { return m_rigid.get(); }
 	/// Whether its strains and vibrations are below `largestInvisibleStrain`, and nothing else keeps it from being rigid: pinned nodes,
-	/// several parts, plastic flow, broken links.
-	bool canBecomeRigid() const;
+	/// several parts, plastic flow, broken links. One that has been at rest for a while may be strained by more in some places.
+	bool canBecomeRigid( bool isAtRest ) const;
 	/// From now on nodes keep their positions relative to each other; momentum and spin stay as they are, vibrations end.
 	void becomeRigid();
 	/// Sets the nodes' positions and velocities to those of the rigid motion. Only for rigid bodies.
@@ -318,8 +318,18 @@ private:
 	/// Nothing in it deforms: a single node, or a small piece of SmallPieces::Rigid.
 	bool isInelastic() const;
 	double speedOfSound() const; ///< sqrt( E / rho ), m/s
-	bool movesRigidly() const;
-	bool isHardlyStrained() const;
+	/// The strain of links as a fraction: root mean square, largest, and largest extension of those that can break.
+	struct StrainSize
+	{
+		double mean = 0.0, largest = 0.0, ofBreakable = 0.0;
+	};
+	StrainSize strainSize() const;
+	/// Whether no node's velocity differs from the rigid motion by what strains the body by `limit`.
+	bool vibratesLess( double limit ) const;
+	/// `isBent`: whether some of it is strained by more than `largestInvisibleStrain`.
+	bool isHardlyStrained( bool& isBent ) const;
+	/// The strain up to which a body that can break may be rigid; infinity where nothing of it can break but crumbs.
+	double rigidBreakStrain() const;
 	void keepFiniteState();
 	void restoreFiniteState();
 

@@ -2,6 +2,7 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
+#include "fracture/shards/shard_cracks.h"
 #include "matching/constants.h"
 #include "matching/matcher.h"
 
@@ -39,6 +40,11 @@ Eigen::Quaterniond rotationBy( const Vec3d& vector )
 	return angle > 0.0 ? Eigen::Quaterniond( Eigen::AngleAxisd( angle, vector / angle ) ) : Eigen::Quaterniond::Identity();
 }
 
+bool hasHeldNodes( const NodeState& nodes )
+{
+	return std::any_of( nodes.freedom.begin(), nodes.freedom.begin() + nodes.count, []( float freedom ) { return freedom == 0.0f; } );
+}
+
 } // namespace
 
 // The midpoint rule for the rotation: L is constant in the world, w = I^-1 L changes with the axes.
@@ -70,30 +76,29 @@ double Body::largestInvisibleVelocity() const
 	return largestInvisibleStrain() * speedOfSound();
 }
 
+double Body::rigidBreakStrain() const
+{
+	const bool breaks = m_breaking && m_fracture.rule != BreakRule::Never && !( m_breaking->shards && m_breaking->shards->isOne() );
+	return breaks ? kRigidBreakFraction * double( m_breaking->limits.weakest * breakStrain( m_fracture, m_material ) )
+				  : std::numeric_limits<double>::infinity();
+}
+
 double Body::largestInvisibleStrain() const
 {
-	if ( isInelastic() )
-	{
-		return std::numeric_limits<double>::infinity();
-	}
-	const double invisible = double( m_material.rigidStrain );
-	const bool breaks = m_breaking && m_fracture.rule != BreakRule::Never;
-	return breaks
-		? std::min( invisible, kRigidBreakFraction * double( m_breaking->limits.weakest * breakStrain( m_fracture, m_material ) ) )
-		: invisible;
+	return isInelastic() ? std::numeric_limits<double>::infinity() : std::min( double( m_material.rigidStrain ), rigidBreakStrain() );
 }
 
 // A vibration of velocity v strains a body by v / c, c its speed of sound.
-bool Body::movesRigidly() const
+bool Body::vibratesLess( double limit ) const
 {
 	const BodySums whole = sums();
 	const Vec3d turning = angularVelocity();
-	const double limit = largestInvisibleVelocity();
+	const double fastest = limit * speedOfSound();
 	for ( int i = 0; i < m_nodes.count; ++i )
 	{
 		const Vec3d arm = m_nodes.x.get( i ).cast<double>() - whole.centre;
 		const Vec3d rigid = whole.momentum / whole.mass + turning.cross( arm );
-		if ( ( m_nodes.v.get( i ).cast<double>() - rigid ).squaredNorm() > limit * limit || m_nodes.freedom[i] == 0.0f )
+		if ( ( m_nodes.v.get( i ).cast<double>() - rigid ).squaredNorm() > fastest * fastest )
 		{
 			return false;
 		}
@@ -101,9 +106,18 @@ bool Body::movesRigidly() const
 	return true;
 }
 
-bool Body::isHardlyStrained() const
+Body::StrainSize Body::strainSize() const
 {
-	const double limit = largestInvisibleStrain();
+	StrainSize size;
+	double sum = 0.0, count = 0.0;
+	const auto add = [&]( double strain, bool canBreak ) {
+		size.largest = std::max( size.largest, std::abs( strain ) );
+		size.ofBreakable = canBreak ? std::max( size.ofBreakable, strain ) : size.ofBreakable;
+		sum += strain * strain;
+		count += 1.0;
+	};
+	const bool canBreak = m_breaking && m_fracture.rule != BreakRule::Never;
+	const std::vector<std::uint32_t>* const shards = canBreak && m_breaking->shards ? &m_breaking->shards->shards() : nullptr;
 	if ( m_levels )
 	{
 		std::vector<float> gradients( std::size_t( m_nodes.padded ) * 9 );
@@ -111,39 +125,48 @@ bool Body::isHardlyStrained() const
 		for ( int i = 0; i < m_nodes.count; ++i )
 		{
 			const Eigen::Map<const Eigen::Matrix3f> f( gradients.data() + 9 * std::size_t( i ) );
-			if ( ( f * f.transpose() - Eigen::Matrix3f::Identity() ).norm() > 2.0 * limit ) // Green's strain
-			{
-				return false;
-			}
+			add( 0.5 * double( ( f * f.transpose() - Eigen::Matrix3f::Identity() ).norm() ), canBreak ); // Green's strain
 		}
-		return true;
 	}
-	for ( int i = 0; i < m_nodes.count; ++i )
+	for ( int i = 0; i < m_nodes.count && !m_levels; ++i )
 	{
 		for ( std::uint32_t k = m_lattice->linkStart[i]; k < m_lattice->linkStart[i + 1]; ++k )
 		{
-			const int j = int( m_lattice->linkTo[k] );
-			const double rest = ( m_nodes.x0.get( j ) - m_nodes.x0.get( i ) ).norm();
-			const double now = ( m_nodes.x.get( j ) - m_nodes.x.get( i ) ).norm();
-			if ( j > i && std::abs( now - rest ) > limit * rest )
+			if ( const int j = int( m_lattice->linkTo[k] ); j > i )
 			{
-				return false;
+				const double rest = ( m_nodes.x0.get( j ) - m_nodes.x0.get( i ) ).norm();
+				add( ( double( ( m_nodes.x.get( j ) - m_nodes.x.get( i ) ).norm() ) - rest ) / rest,
+					canBreak && ( !shards || ( *shards )[std::size_t( i )] != ( *shards )[std::size_t( j )] ) );
 			}
 		}
 	}
-	return true;
+	size.mean = count > 0.0 ? std::sqrt( sum / count ) : 0.0;
+	return size;
 }
 
-bool Body::canBecomeRigid() const
+// What is calm under a load that strains a part of it visibly, such as a shard in a heap, may be rigid for as long as the load stays.
+bool Body::isHardlyStrained( bool& isBent ) const
 {
-	return !m_rigid && m_material.rigidStrain > 0.0f && m_isOnePart && !hasBrokenLinks() && !hasFlowed() && movesRigidly() &&
-		isHardlyStrained();
+	const double limit = largestInvisibleStrain();
+	const StrainSize strain = strainSize();
+	isBent = strain.largest > limit;
+	return vibratesLess( isBent ? kCalmFraction * limit : limit ) && strain.mean <= limit && strain.ofBreakable <= rigidBreakStrain();
+}
+
+bool Body::canBecomeRigid( bool isAtRest ) const
+{
+	bool isBent;
+	return !m_rigid && m_material.rigidStrain > 0.0f && m_isOnePart && !hasBrokenLinks() && !hasFlowed() && !hasHeldNodes( m_nodes ) &&
+		isHardlyStrained( isBent ) && ( isAtRest || !isBent );
 }
 
 void Body::becomeRigid()
 {
+	bool isBent;
+	static_cast<void>( isHardlyStrained( isBent ) );
 	m_rigid = std::make_unique<RigidState>();
 	RigidState& state = *m_rigid;
+	state.isBent = isBent;
 	const BodySums whole = sums();
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( inertiaAbout( whole.centre ) );
 	Eigen::Matrix3d frame = axes.eigenvectors();

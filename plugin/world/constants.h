@@ -111,6 +111,10 @@ inline constexpr double kSleepFraction = 0.03;
 /// ... or below that of a fall over kContactSlop, while no node moves by more than this many radii: a body pressed to and fro at rest.
 inline constexpr double kRestDisplacement = 0.1;
 
+/// A body in its rigid state may sleep where it turns slower than Bullet's threshold, or than this velocity of its farthest point, m/s: a
+/// shard of 10 cm that is pressed to and fro in a heap turns by 1 to 2 rad/s now and then.
+inline constexpr double kSleepTurn = 0.15;
+
 /// Impulses of an island's contacts that add energy are scaled down at most to this: half an impulse still stops the approach.
 inline constexpr double kLeastBounce = 0.5;
 /// Resolution of the bisection for the fraction of a bounce that adds no energy.
@@ -244,15 +248,29 @@ inline constexpr double kLockedLinkMobility = 1e-3;
 
 /// A hull may have this multiple of the volume of its material; where it has more, its nodes are divided among two.
 inline constexpr double kConvexVolume = 1.3;
+/// A hull is nowhere further inside of what it holds than this, in radii of the largest sphere: half as many corners make every search for
+/// contacts twice as fast.
+inline constexpr float kHullTolerance = 0.05f;
 /// Nodes that are not divided further, and the largest number of hulls of a body.
 inline constexpr int kLeastHullNodes = 12, kMostHulls = 32;
+/// Contacts of hulls last at least until they have parted or slid by this fraction of the hulls' margin, but not for that by more than
+/// kLongestLasting, m: what lies at rest falls 2.7 mm in a step of 1/60 s before its contacts hold it.
+inline constexpr btScalar kLastingContact = btScalar( 0.5 ), kLongestLasting = btScalar( 0.004 );
+/// Radius of the area in which hulls touch, in radii of a body's smallest node sphere.
+inline constexpr btScalar kContactArea = btScalar( 0.5 );
+/// A body that touches something turns by at most this angle in a step, rad: an eighth of a turn, as Bullet's rigid bodies.
+inline constexpr btScalar kFarthestTurn = btScalar( 0.785 );
 /// Game steps: until a new body is tested for its rigid state, between two tests, and for which a body deforms at least.
 inline constexpr int kRigidStart = 2, kRigidRetry = 3, kRigidPause = 6;
-/// A body whose hulls would be deeper in a neighbour than this, in radii of its smallest node sphere, deforms for kRigidBlocked more steps.
-inline constexpr btScalar kRigidOverlap = btScalar( 2 );
-inline constexpr int kRigidBlocked = 30;
+/// Time for which a body has to be slow, as after a fall over its largest node at most, before it may be rigid while it is bent, s.
+inline constexpr double kBentRest = 0.25;
+/// Velocity at which bodies in their rigid state part from what their hulls overlap, m/s, and the least fraction of a penetration that a
+/// solver corrects in a step, which this is computed with.
+inline constexpr btScalar kRigidParting = btScalar( 0.3 ), kLeastCorrection = btScalar( 1e-3 );
 /// A body deforms again under more than this multiple of the load, N, that it became rigid under.
 inline constexpr double kRigidLoad = 2.0;
+/// One that was bent then, under less than this fraction of it.
+inline constexpr double kBentLoad = 0.25;
 
 // --- Attachments ---
 

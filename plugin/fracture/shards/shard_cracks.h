@@ -57,6 +57,8 @@ public:
 	const std::vector<std::uint32_t>& shards() const { return m_shard; }
 	/// False where the body is one shard and no crumbs may come off it.
 	bool canBreak() const { return !m_isOne || m_crumbMass > 0.0; }
+	/// True where all cells are of one shard: no crack runs through it.
+	bool isOne() const { return m_isOne; }
 	const ShardLaw& law() const { return m_law; }
 	std::size_t bytes() const;
 

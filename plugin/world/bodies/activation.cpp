@@ -83,11 +83,14 @@ double largestMeanSquareSpeed( const SoftBody::Impl& impl )
 /// Returns true if the body's deactivation timer may run.
 bool isAtRest( SoftBody::Impl& impl, double gravity )
 {
-	if ( impl.rigidProxy ) // as Bullet's rigid bodies
+	if ( impl.rigidProxy ) // as Bullet's rigid bodies, but what is small may turn faster
 	{
 		const RigidMotion& motion = impl.body->rigidState()->motion;
-		return motion.velocity.norm() < double( impl.rigidProxy->getLinearSleepingThreshold() ) &&
-			motion.angularVelocity.norm() < double( impl.rigidProxy->getAngularSleepingThreshold() );
+		btVector3 centre;
+		btScalar radius;
+		impl.rigidProxy->getCollisionShape()->getBoundingSphere( centre, radius );
+		const double turn = std::max( double( impl.rigidProxy->getAngularSleepingThreshold() ), kSleepTurn / double( radius ) );
+		return motion.velocity.norm() < double( impl.rigidProxy->getLinearSleepingThreshold() ) && motion.angularVelocity.norm() < turn;
 	}
 	const double radius = double( impl.shape->smallestRadius() ), displacement = kRestDisplacement * radius;
 	const double fallSquare = 2.0 * gravity * radius, square = largestMeanSquareSpeed( impl );
@@ -149,6 +152,8 @@ void SoftBodySystem::updateActivation( btScalar h )
 		impl.slowTime = impl.meanSquareSpeed < calm * calm ? impl.slowTime + double( h ) : 0.0;
 		const bool canSleep = state != DISABLE_DEACTIVATION && !gDisableDeactivation && gDeactivationTime > 0;
 		const btVector3 gravity = gravityOf( *body ) + impl.fieldAcceleration;
+		const double fallSquare = 2.0 * double( gravity.length() * impl.shape->largestRadius() );
+		impl.restTime = impl.meanSquareSpeed < fallSquare ? impl.restTime + double( h ) : 0.0;
 		const bool maySleep = canSleep && isAtRest( impl, double( gravity.length() ) ) && !isDriven( *body );
 		body->setDeactivationTime( maySleep ? body->getDeactivationTime() + h : btScalar( 0 ) );
 		if ( state != DISABLE_DEACTIVATION )

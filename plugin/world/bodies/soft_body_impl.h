@@ -166,6 +166,7 @@ struct SoftBody::Impl
 	double mass = 0.0;                ///< kg, of all nodes
 	double meanSquareSpeed = 0.0;     ///< m^2/s^2, weighted by mass, after the last substep
 	double slowTime = 0.0;            ///< time since it was last faster than kAllowanceCalm, s
+	double restTime = 0.0;            ///< time since it was last faster than after a fall over its largest node, s
 	bool isBroken = false;            ///< the last substep produced a number that is not finite
 	SoftBodySystem* system = nullptr; ///< of the world the body is in
 

@@ -101,9 +101,9 @@ void SoftBody::Impl::archiveState( Archive& archive )
 	std::vector<Near> near = nearNodes; // found in the order of the spheres' rows, and used in none
 	std::sort( near.begin(), near.end(),
 		[]( const Near& a, const Near& b ) { return std::tie( a.node, a.request ) < std::tie( b.node, b.request ); } );
-	archive( shapeShift, mass, meanSquareSpeed, slowTime, isBroken, plan, elasticity, isImplicit, lastSubstep, isGuarded, isHealthy,
-		stateBefore, hasOwnGravity, gravity, centralForce, hasNodeForces, heldBefore, fractureVersion, separatedPairs, fading, newCuts,
-		partingPhases, placements, numbering, near, nodeAxes, rest, skin.tolerance );
+	archive( shapeShift, mass, meanSquareSpeed, slowTime, restTime, isBroken, plan, elasticity, isImplicit, lastSubstep, isGuarded,
+		isHealthy, stateBefore, hasOwnGravity, gravity, centralForce, hasNodeForces, heldBefore, fractureVersion, separatedPairs, fading,
+		newCuts, partingPhases, placements, numbering, near, nodeAxes, rest, skin.tolerance );
 	archive( mustDeform, rigidWait, separatedAt, isKept, partsWait, fieldAcceleration, scale );
 	archive.owned( forces, [] { return std::make_unique<SurfaceForces>(); } );
 	bool tellsContacts = contactRecords != nullptr;

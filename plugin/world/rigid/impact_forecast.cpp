@@ -1,5 +1,5 @@
 // What bodies in their rigid state meet: impacts that will deform them, which are found a step ahead, so that the body meets them
-// deformable; and neighbours that their hulls overlap.
+// deformable.
 
 #include "body/rigid_state.h"
 #include "world/bodies/soft_body_impl.h"
@@ -13,16 +13,16 @@
 
 namespace pliant {
 
-namespace {
-
-struct Motion
+struct ForecastMotion
 {
 	btVector3 centre, velocity, angularVelocity;
 
 	btVector3 at( const btVector3& point ) const { return velocity + angularVelocity.cross( point - centre ); }
 };
 
-Motion motionOf( const btCollisionObject& object )
+namespace {
+
+ForecastMotion motionOf( const btCollisionObject& object )
 {
 	const btVector3 zero( 0, 0, 0 );
 	if ( const SoftBody* const soft = SoftBody::upcast( &object ) )
@@ -30,19 +30,19 @@ Motion motionOf( const btCollisionObject& object )
 		const RigidState* const state = soft->impl().body->rigidState();
 		if ( !soft->isActive() )
 		{
-			return Motion{ object.getWorldTransform().getOrigin(), zero, zero };
+			return ForecastMotion{ object.getWorldTransform().getOrigin(), zero, zero };
 		}
-		return state ? Motion{ toBt( state->motion.centre ), toBt( state->motion.velocity ), toBt( state->motion.angularVelocity ) }
-					 : Motion{ soft->massCentre(), soft->linearVelocity(), soft->angularVelocity() };
+		return state ? ForecastMotion{ toBt( state->motion.centre ), toBt( state->motion.velocity ), toBt( state->motion.angularVelocity ) }
+					 : ForecastMotion{ soft->massCentre(), soft->linearVelocity(), soft->angularVelocity() };
 	}
 	const btRigidBody* const rigid = btRigidBody::upcast( &object );
 	const bool moves = rigid && !rigid->isStaticObject() && rigid->isActive();
-	return moves ? Motion{ rigid->getCenterOfMassPosition(), rigid->getLinearVelocity(), rigid->getAngularVelocity() }
-				 : Motion{ object.getWorldTransform().getOrigin(), zero, zero };
+	return moves ? ForecastMotion{ rigid->getCenterOfMassPosition(), rigid->getLinearVelocity(), rigid->getAngularVelocity() }
+				 : ForecastMotion{ object.getWorldTransform().getOrigin(), zero, zero };
 }
 
 /// The largest velocity that an object's rotation gives to one of its points, m/s.
-btScalar fastestTurn( const btCollisionObject& object, const Motion& motion )
+btScalar fastestTurn( const btCollisionObject& object, const ForecastMotion& motion )
 {
 	btVector3 centre;
 	btScalar radius;
@@ -51,19 +51,22 @@ btScalar fastestTurn( const btCollisionObject& object, const Motion& motion )
 }
 
 /// An upper bound of the velocity of any point of the object, m/s.
-btScalar fastest( const btCollisionObject& object, const Motion& motion )
+btScalar fastest( const btCollisionObject& object, const ForecastMotion& motion )
 {
 	return motion.velocity.length() + fastestTurn( object, motion );
 }
 
-/// Whether the boxes of two objects come within `reach`, m, of each other.
-bool comeNear( const btCollisionObject& a, const btCollisionObject& b, btScalar reach )
+/// Whether the boxes of two objects come within `reach`, m, of each other while the first moves by `displacement`.
+bool comeNear( const btCollisionObject& a, const btCollisionObject& b, const btVector3& displacement, btScalar reach )
 {
 	btVector3 lowA, highA, lowB, highB;
 	a.getCollisionShape()->getAabb( a.getWorldTransform(), lowA, highA );
 	b.getCollisionShape()->getAabb( b.getWorldTransform(), lowB, highB );
+	btVector3 back = displacement, ahead = displacement;
+	back.setMin( btVector3( 0, 0, 0 ) );
+	ahead.setMax( btVector3( 0, 0, 0 ) );
 	const btVector3 around( reach, reach, reach );
-	return TestAabbAgainstAabb2( lowA - around, highA + around, lowB, highB );
+	return TestAabbAgainstAabb2( lowA + back - around, highA + ahead + around, lowB, highB );
 }
 
 btScalar massOf( const btCollisionObject& object )
@@ -77,11 +80,11 @@ btScalar massOf( const btCollisionObject& object )
 /// Finds whether two objects collide within a step at a point at which their approach is faster than a limit.
 struct FastContact : btCollisionWorld::ContactResultCallback
 {
-	Motion first, second;
+	ForecastMotion first, second;
 	btScalar step, limit;
 	bool isFound = false;
 
-	FastContact( const Motion& ofFirst, const Motion& ofSecond, btScalar h, btScalar fastestAllowed ) :
+	FastContact( const ForecastMotion& ofFirst, const ForecastMotion& ofSecond, btScalar h, btScalar fastestAllowed ) :
 		first( ofFirst ), second( ofSecond ), step( h ), limit( fastestAllowed )
 	{}
 	btScalar addSingleResult(
@@ -90,18 +93,6 @@ struct FastContact : btCollisionWorld::ContactResultCallback
 		const btScalar approach = -( first.at( point.getPositionWorldOnA() ) - second.at( point.getPositionWorldOnB() ) )
 									   .dot( point.m_normalWorldOnB );
 		isFound = isFound || ( approach > limit && point.getDistance() <= approach * step );
-		return 0;
-	}
-};
-
-struct DeepestContact : btCollisionWorld::ContactResultCallback
-{
-	btScalar depth = 0; ///< m
-
-	btScalar addSingleResult(
-		btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int ) override
-	{
-		depth = btMax( depth, -point.getDistance() );
 		return 0;
 	}
 };
@@ -150,33 +141,34 @@ bool SoftBodySystem::mayTouch( SoftBody& body, btCollisionObject& other )
 		m_world.getPairCache()->needsBroadphaseCollision( body.getBroadphaseHandle(), other.getBroadphaseHandle() );
 }
 
-bool SoftBodySystem::overlapsNeighbours( SoftBody& body )
+/// The motions of a world's objects, by their index in it: those of deformable bodies are sums over their nodes.
+class ForecastMotions
 {
-	btVector3 low, high;
-	body.getCollisionShape()->getAabb( body.getWorldTransform(), low, high );
-	Overlaps overlaps;
-	m_world.getBroadphase()->aabbTest( low, high, overlaps );
-	DeepestContact contact;
-	for ( btCollisionObject* other : overlaps.found )
+public:
+	explicit ForecastMotions( const btCollisionObjectArray& objects )
 	{
-		if ( other != &body && mayTouch( body, *other ) && comeNear( body, *other, 0 ) )
+		for ( int i = 0; i < objects.size(); ++i )
 		{
-			testContact( m_world, body, *other, contact );
+			m_motions.push_back( motionOf( *objects[i] ) );
 		}
 	}
-	return contact.depth > kRigidOverlap * body.impl().shape->smallestRadius();
-}
+	const ForecastMotion& of( const btCollisionObject& object ) const { return m_motions[std::size_t( object.getWorldArrayIndex() )]; }
 
-void SoftBodySystem::forecastImpact( SoftBody& body, btCollisionObject& other, btScalar h )
+private:
+	std::vector<ForecastMotion> m_motions;
+};
+
+void SoftBodySystem::forecastImpact( SoftBody& body, btCollisionObject& other, const ForecastMotions& motions, btScalar h )
 {
 	if ( body.impl().mustDeform || !mayTouch( body, other ) )
 	{
 		return;
 	}
-	const Motion own = motionOf( body ), others = motionOf( other );
-	const btScalar limit = largestApproach( body, other );
-	const btScalar bound = ( own.velocity - others.velocity ).length() + fastestTurn( body, own ) + fastestTurn( other, others );
-	if ( bound <= limit || !comeNear( body, other, bound * h ) )
+	const ForecastMotion &own = motions.of( body ), &others = motions.of( other );
+	const btScalar limit = largestApproach( body, other ), turn = fastestTurn( body, own ) + fastestTurn( other, others );
+	const btVector3 approach = own.velocity - others.velocity;
+	const btScalar bound = approach.length() + turn;
+	if ( bound <= limit || !comeNear( body, other, approach * h, turn * h ) )
 	{
 		return;
 	}
@@ -201,6 +193,7 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 		}
 	}
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
+	const ForecastMotions motions( objects );
 	Overlaps overlaps;
 	for ( int i = 0; i < objects.size(); ++i )
 	{
@@ -209,7 +202,7 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 		{
 			continue;
 		}
-		const Motion motion = motionOf( object );
+		const ForecastMotion& motion = motions.of( object );
 		const btScalar speed = fastest( object, motion );
 		if ( double( speed ) <= 0.5 * slowest ) // the other object is no faster, or it is tested itself
 		{
@@ -226,11 +219,11 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 			SoftBody* const otherSoft = asSoftBody( other );
 			if ( other != &object && soft && soft->impl().rigidProxy )
 			{
-				forecastImpact( *soft, *other, h );
+				forecastImpact( *soft, *other, motions, h );
 			}
 			if ( other != &object && otherSoft && otherSoft->impl().rigidProxy )
 			{
-				forecastImpact( *otherSoft, object, h );
+				forecastImpact( *otherSoft, object, motions, h );
 			}
 		}
 	}

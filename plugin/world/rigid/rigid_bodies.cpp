@@ -51,6 +51,87 @@ double impulseOf( const btPersistentManifold& manifold )
 	return impulse;
 }
 
+/// The rigid body that a side of a manifold is in the solver, or null: nothing else turns.
+btRigidBody* turningSide( const btCollisionObject* side )
+{
+	return side->isStaticOrKinematicObject() ? nullptr : btRigidBody::upcast( const_cast<btCollisionObject*>( side ) );
+}
+
+/// Hulls touch in points, material in an area, whose friction has an arm: a crumb does not spin on a corner without end. `radius`: of the
+/// area, m. Only the rotation about the normal changes, which none of the contacts hinders.
+void brakeSpin( btPersistentManifold& manifold, btScalar radius )
+{
+	btScalar limit = 0; // N m s
+	btVector3 normal( 0, 0, 0 );
+	for ( int k = 0; k < manifold.getNumContacts(); ++k )
+	{
+		const btManifoldPoint& point = manifold.getContactPoint( k );
+		const btScalar impulse = btMax( point.m_appliedImpulse, btScalar( 0 ) );
+		limit += radius * point.m_combinedFriction * impulse;
+		normal += impulse * point.m_normalWorldOnB;
+	}
+	if ( limit <= 0 )
+	{
+		return;
+	}
+	normal.normalize();
+	btRigidBody *const first = turningSide( manifold.getBody0() ), *const second = turningSide( manifold.getBody1() );
+	const auto mobility = [&normal]( const btRigidBody* body ) {
+		return body ? normal.dot( body->getInvInertiaTensorWorld() * normal ) : btScalar( 0 );
+	};
+	const auto spin = [&normal]( const btRigidBody* body ) { return body ? normal.dot( body->getAngularVelocity() ) : btScalar( 0 ); };
+	const btScalar both = mobility( first ) + mobility( second );
+	if ( both > 0 )
+	{
+		const btScalar stopping = ( spin( second ) - spin( first ) ) / both;
+		const btVector3 impulse = btClamped( stopping, -limit, limit ) * normal;
+		if ( first )
+		{
+			first->applyTorqueImpulse( impulse );
+		}
+		if ( second )
+		{
+			second->applyTorqueImpulse( -impulse );
+		}
+	}
+}
+
+/// Whether the spins of both sides are their own: a node has none, and a link's is its joint's.
+bool canBrakeSpin( const btPersistentManifold& manifold )
+{
+	const auto isKnown = []( const btCollisionObject* side ) {
+		return side->isStaticOrKinematicObject() || ( btRigidBody::upcast( side ) && !isContactProxy( side ) );
+	};
+	return manifold.getNumContacts() > 0 && isKnown( manifold.getBody0() ) && isKnown( manifold.getBody1() );
+}
+
+template <class Visit>
+void forRigidContacts( btDispatcher& dispatcher, Visit&& visit )
+{
+	forEachManifold( dispatcher, prefetchEnd, [&visit]( btPersistentManifold& manifold ) {
+		if ( !ownerOfRigidProxy( manifold.getBody0() ) && !ownerOfRigidProxy( manifold.getBody1() ) )
+		{
+			return;
+		}
+		for ( int k = 0; k < manifold.getNumContacts(); ++k )
+		{
+			visit( manifold.getContactPoint( k ) );
+		}
+	} );
+}
+
+/// The deepest penetration that the solver sees, m. It corrects a fraction of it in a step.
+btScalar deepestSeen( const btContactSolverInfo& info )
+{
+	return kRigidParting * info.m_timeStep / btMax( info.m_erp2, kLeastCorrection );
+}
+
+/// Whether what bends the body has gone, mostly: it would keep its dent. `weight`: the body's own, N, which is a load on it too.
+bool isUnloaded( const SoftBody::Impl& impl, double weight )
+{
+	return impl.body->rigidState()->isBent && impl.rigidLoad.now - weight < kBentLoad * ( impl.rigidLoad.first - weight );
+}
+
 } // namespace
 
 bool SoftBodySystem::canBeRigid( const SoftBody& body ) const
@@ -94,7 +175,8 @@ void SoftBodySystem::deformLoaded( btScalar gameStep )
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		if ( impl.rigidProxy && ( impl.mustDeform || !canBeRigid( *body ) || isOverloaded( impl ) ) )
+		const double weight = double( impl.mass * gravityOf( *body ).length() );
+		if ( impl.rigidProxy && ( impl.mustDeform || !canBeRigid( *body ) || isOverloaded( impl ) || isUnloaded( impl, weight ) ) )
 		{
 			deform( *body );
 			removeContacts( *body );
@@ -121,7 +203,7 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 		SoftBody::Impl& impl = body->impl();
 		if ( impl.rigidProxy )
 		{
-			impl.rigidLoad.now = impl.rigidLoad.impulse / double( gameStep );
+			impl.rigidLoad.now = body->isActive() ? impl.rigidLoad.impulse / double( gameStep ) : impl.rigidLoad.now;
 			impl.rigidLoad.impulse = 0.0;
 			continue;
 		}
@@ -130,16 +212,11 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 			continue;
 		}
 		impl.rigidWait = kRigidRetry;
-		if ( canBeRigid( *body ) && impl.body->canBecomeRigid() )
+		if ( canBeRigid( *body ) && impl.body->canBecomeRigid( impl.restTime > kBentRest ) )
 		{
-			impl.rigidLoad = RigidLoad{ 0.0, 0.0, loadOn( *body ) };
+			const double load = loadOn( *body );
+			impl.rigidLoad = RigidLoad{ 0.0, load, load };
 			impl.becomeRigid( *body );
-			if ( overlapsNeighbours( *body ) ) // hulls of bent bodies hold more than their spheres, and would throw the neighbours
-			{
-				impl.becomeDeformable( *body );
-				impl.rigidWait = kRigidBlocked;
-				continue;
-			}
 			removeContacts( *body );
 		}
 	}
@@ -176,7 +253,40 @@ void SoftBodySystem::showRigidProxies( btDispatcher& dispatcher )
 			SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( side ) );
 			return soft ? static_cast<const btCollisionObject*>( soft->impl().rigidProxy.get() ) : nullptr;
 		} );
+		const btScalar deepest = deepestSeen( m_world.getSolverInfo() );
+		forRigidContacts( dispatcher, [deepest]( btManifoldPoint& point ) { point.m_distance1 = btMax( point.m_distance1, -deepest ); } );
 	}
+}
+
+// A body that turns by more than a fraction of a turn in a step meets the floor with another side than its contacts are on, and gains
+// energy from each.
+void SoftBodySystem::brakeRigidProxies( btDispatcher& dispatcher )
+{
+	const btScalar fastest = kFarthestTurn / m_world.getSolverInfo().m_timeStep;
+	const auto brake = [fastest]( const btCollisionObject* side ) {
+		if ( ownerOfRigidProxy( side ) )
+		{
+			btRigidBody& body = *btRigidBody::upcast( const_cast<btCollisionObject*>( side ) );
+			const btScalar speed = body.getAngularVelocity().length();
+			body.setAngularVelocity( body.getAngularVelocity() * btMin( btScalar( 1 ), fastest / btMax( speed, fastest ) ) );
+		}
+	};
+	forEachManifold( dispatcher, prefetchEnd, [&brake]( btPersistentManifold& manifold ) {
+		const SoftBody *const first = ownerOfRigidProxy( manifold.getBody0() ), *const second = ownerOfRigidProxy( manifold.getBody1() );
+		if ( !first && !second )
+		{
+			return;
+		}
+		if ( canBrakeSpin( manifold ) )
+		{
+			brakeSpin( manifold, kContactArea * ( first ? first : second )->impl().shape->smallestRadius() );
+		}
+		if ( impulseOf( manifold ) > 0.0 )
+		{
+			brake( manifold.getBody0() );
+			brake( manifold.getBody1() );
+		}
+	} );
 }
 
 void SoftBodySystem::hideRigidProxies( btDispatcher& dispatcher )
@@ -185,6 +295,14 @@ void SoftBodySystem::hideRigidProxies( btDispatcher& dispatcher )
 	{
 		return;
 	}
+	const btScalar deepest = deepestSeen( m_world.getSolverInfo() );
+	forRigidContacts( dispatcher, [deepest]( btManifoldPoint& point ) {
+		if ( point.m_distance1 == -deepest )
+		{
+			point.m_distance1 = ( point.m_positionWorldOnA - point.m_positionWorldOnB ).dot( point.m_normalWorldOnB );
+		}
+	} );
+	brakeRigidProxies( dispatcher );
 	exchangeSides( dispatcher, []( const btCollisionObject* side, const btPersistentManifold& manifold ) {
 		SoftBody* const owner = ownerOfRigidProxy( side );
 		if ( owner )

@@ -48,6 +48,11 @@ std::vector<btVector3> hullPoints( const std::vector<Sphere>& spheres, const std
 {
 	static const std::vector<Vec3> kDirections = supportDirections();
 	std::vector<btVector3> points;
+	float largest = 0.0f;
+	for ( const int k : part )
+	{
+		largest = std::max( largest, spheres[std::size_t( k )].radius );
+	}
 	for ( const Vec3& direction : kDirections )
 	{
 		float furthest = -FLT_MAX;
@@ -62,14 +67,33 @@ std::vector<btVector3> hullPoints( const std::vector<Sphere>& spheres, const std
 				at = sphere.centre + ( sphere.radius - margin ) * direction;
 			}
 		}
-		const btVector3 point( at.x(), at.y(), at.z() );
-		if ( std::none_of( points.begin(), points.end(), [&]( const btVector3& other ) { return other == point; } ) )
+		const btVector3 along( direction.x(), direction.y(), direction.z() );
+		const btScalar enough = btScalar( furthest - margin - kHullTolerance * largest );
+		if ( std::none_of( points.begin(), points.end(), [&]( const btVector3& other ) { return other.dot( along ) >= enough; } ) )
 		{
-			points.push_back( point );
+			points.push_back( btVector3( at.x(), at.y(), at.z() ) );
 		}
 	}
 	return points;
 }
+
+/// In Bullet a contact lasts until it has parted or slid by a fraction of the shape's size. A small shape moves by more in a step: its
+/// contacts are lost as soon as they are found, and it rolls from one to the next instead of resting on several.
+template <class Shape>
+class LastingContacts : public Shape
+{
+public:
+	template <class... Arguments>
+	explicit LastingContacts( btScalar least, Arguments... arguments ) : Shape( arguments... ), m_least( least )
+	{}
+	btScalar getContactBreakingThreshold( btScalar fraction ) const override
+	{
+		return btMax( m_least, Shape::getContactBreakingThreshold( fraction ) );
+	}
+
+private:
+	btScalar m_least; // m
+};
 
 /// Returns the volume of the points' hull, m^3: of the pyramids from its first vertex to the triangles of its faces.
 double hullVolume( const std::vector<btVector3>& points )
@@ -197,16 +221,18 @@ RigidShape::RigidShape( const Body& body, const NodeShape& nodes )
 			body.rigidState()->arm.get( i ), float( nodes.sphereOfNode( i )->getRadius() ), state.mass[i] / body.material().density } );
 	}
 	const float margin = float( nodes.smallestRadius() );
+	const btScalar lasting = btMin( kLastingContact * btScalar( margin ), kLongestLasting );
 	for ( const std::vector<int>& part : convexParts( spheres ) )
 	{
 		const std::vector<btVector3> points = hullPoints( spheres, part, margin );
-		m_hulls.push_back( std::make_unique<btConvexHullShape>( &points[0].x(), int( points.size() ), int( sizeof( btVector3 ) ) ) );
+		m_hulls.push_back( std::make_unique<LastingContacts<btConvexHullShape>>(
+			lasting, &points[0].x(), int( points.size() ), int( sizeof( btVector3 ) ) ) );
 		m_hulls.back()->setMargin( btScalar( margin ) );
 		m_hulls.back()->recalcLocalAabb();
 	}
 	if ( m_hulls.size() > 1 )
 	{
-		auto compound = std::make_unique<btCompoundShape>( true, int( m_hulls.size() ) );
+		auto compound = std::make_unique<LastingContacts<btCompoundShape>>( lasting, true, int( m_hulls.size() ) );
 		for ( const auto& hull : m_hulls )
 		{
 			compound->addChildShape( btTransform::getIdentity(), hull.get() );

@@ -30,6 +30,7 @@ namespace pliant {
 
 class WorldSnapshot;
 
+class ForecastMotions;
 class SoftBodySystem
 {
 public:
@@ -68,6 +69,7 @@ public:
 	/// Around Bullet's solver: manifolds refer to the rigid proxies of bodies in their rigid state.
 	void showRigidProxies( btDispatcher& dispatcher );
 	void hideRigidProxies( btDispatcher& dispatcher );
+	void brakeRigidProxies( btDispatcher& dispatcher );
 
 	/// Chooses the objects that take soft substeps in a game step of this length. Returns the number of substeps: the user's, or more if
 	/// the stiffest awake material needs them; 1 if no body takes substeps. `canSplit`: if false, either all objects take substeps or none.
@@ -215,9 +217,7 @@ private:
 	double loadOn( const SoftBody& body ) const; ///< sum of the contact forces on a deformable body, N
 	void forecastImpacts( btScalar h );
 	bool mayTouch( SoftBody& body, btCollisionObject& other );
-	/// Whether the hulls of a body in its rigid state are deep in another object.
-	bool overlapsNeighbours( SoftBody& body );
-	void forecastImpact( SoftBody& body, btCollisionObject& other, btScalar h );
+	void forecastImpact( SoftBody& body, btCollisionObject& other, const ForecastMotions& motions, btScalar h );
 	void accelerateRigid( btScalar h );
 	void integrateRigid( btScalar h );
 
