@@ -88,7 +88,7 @@ void ObjectState::archive( Archive& archive )
 		deactivationTime );
 	archive.require( activation >= ACTIVE_TAG && activation <= DISABLE_SIMULATION + 1 && std::isfinite( deactivationTime ),
 		"The activation state of an object is out of range." );
-	archive.require( archive.isTrusted() ||
+	archive.require( !archive.isReading() || archive.isTrusted() ||
 			( isPlace( transform ) && isPlace( interpolation ) &&
 				areWithin( kFastestStoredObject, { linear, angular, interpolationLinear, interpolationAngular } ) &&
 				areWithin( kStrongestStored, { force, torque } ) ),

@@ -43,7 +43,7 @@ private:
 		bool hasAlgorithm = false, isSoft = false;
 		PairContacts::Carried soft;
 		std::vector<ChildPair> children; ///< of compounds, in the order of their manifolds
-		std::vector<ManifoldRecord> contacts;
+		int contacts = 0;                ///< number of its manifolds, which follow those of the pairs before it
 		void archive( Archive& archive );
 	};
 	struct AttachmentRecord
@@ -86,10 +86,8 @@ private:
 	void collectAttachments();
 	void collectFrames();
 	void collectPairs();
-	void numberManifolds();
-	PairRecord recordOf( const btBroadphasePair& pair );
-	PairRecord selfContactsOf( const SoftBody& body );
-	std::vector<ManifoldRecord> contactsOf( const PairContacts& contacts );
+	void addPair( PairRecord&& record, const PairContacts* soft, btCollisionAlgorithm* algorithm );
+	void writeManifolds( Archive& archive, bool areNumbered );
 	int indexOf( const btCollisionObject* object ) const { return object ? object->getWorldArrayIndex() : -1; }
 
 	// Reading.
@@ -99,6 +97,7 @@ private:
 	void readBodies( Archive& archive );
 	void checkReferences( Archive& archive );
 	void checkFrames( Archive& archive );
+	void readManifolds( Archive& archive );
 	void checkPair( Archive& archive, const PairRecord& pair ) const;
 	bool isSoft( int object ) const { return m_entries[std::size_t( object )].record >= 0; }
 	bool isObject( int object ) const { return object >= 0 && std::size_t( object ) < m_entries.size(); }
@@ -113,8 +112,10 @@ private:
 	void restoreReferences();
 	void restoreFrames();
 	void restorePairs();
-	void restorePair( const PairRecord& record );
-	void fillManifolds( const PairRecord& record, const btAlignedObjectArray<btPersistentManifold*>& manifolds );
+	void restorePair( const PairRecord& record, const ManifoldRecord* contacts );
+	void restoreSelfContacts( const PairRecord& record, const ManifoldRecord* contacts );
+	void fillManifolds(
+		const PairRecord& record, const ManifoldRecord* contacts, const btAlignedObjectArray<btPersistentManifold*>& manifolds );
 	void orderTouched( SoftBody& body ) const;
 	void restoreValues();
 
@@ -133,6 +134,8 @@ private:
 	SubstepGroup m_group;
 	BroadphaseRecord m_broadphase;
 	std::vector<PairRecord> m_pairs;
+	std::vector<const btPersistentManifold*> m_manifolds; ///< of the pairs in their order, when it writes
+	std::vector<ManifoldRecord> m_contacts;               ///< the same, when it reads
 	ManifoldOrder m_order;
 	bool m_movesRigid = true;
 };
