@@ -138,6 +138,7 @@ void SoftBody::Impl::archiveState( Archive& archive )
 		shape->place( body->nodes(), shapeShift );
 		shape->setSweep( sweepLow, sweepHigh );
 		skin.nodesMoved();
+		++skin.moves;
 	}
 }
 
@@ -171,6 +172,7 @@ void SoftBody::Impl::install( SoftBody& owner, std::unique_ptr<Impl> impl )
 	}
 	owner.m_impl = std::move( impl );
 	Impl& now = *owner.m_impl;
+	++now.skin.moves; // whatever it was moved to: queries begin anew
 	now.proxyOfNode.assign( std::size_t( now.body->nodeCount() ), nullptr );
 	owner.m_internalType = kInternalType;
 	owner.internalSetExtensionPointer( const_cast<char*>( &kSoftBodyMark ) );

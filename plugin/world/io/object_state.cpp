@@ -63,6 +63,14 @@ ObjectState ObjectState::of( const btCollisionObject& object )
 
 void ObjectState::applyTo( btCollisionObject& object ) const
 {
+	const int type = object.getInternalType();
+	if ( type == btCollisionObject::CO_COLLISION_OBJECT || type == btCollisionObject::CO_GHOST_OBJECT )
+	{
+		object.setWorldTransform( transform );
+		object.setInterpolationWorldTransform( interpolation );
+		object.setInterpolationLinearVelocity( interpolationLinear );
+		object.setInterpolationAngularVelocity( interpolationAngular );
+	}
 	if ( btRigidBody* const rigid = btRigidBody::upcast( &object ) )
 	{
 		rigid->setCenterOfMassTransform( transform ); // the inertia in world axes too

@@ -24,7 +24,7 @@ void WorldSnapshot::read( Archive& archive, const LoadSettings& settings )
 	archive( m_touched, m_attachments, m_frames, m_values );
 	m_group.archive( archive );
 	m_broadphase.archive( archive, int( m_entries.size() ) );
-	archive( m_pairs );
+	archive( m_ghosts, m_pairs );
 	readManifolds( archive );
 	archive.require( !archive.isSound() || archive.left() == 0, "The snapshot has more data than it needs." );
 	if ( archive.isSound() )
@@ -239,6 +239,7 @@ void WorldSnapshot::checkReferences( Archive& archive )
 			"An impulse acts on an object that is not there." );
 	}
 	checkFrames( archive );
+	checkGhosts( archive );
 	for ( const PairRecord& pair : m_pairs )
 	{
 		checkPair( archive, pair );

@@ -64,16 +64,13 @@ void WorldSnapshot::endContacts()
 {
 	m_step.m_stages.releasePredictiveContacts();
 	m_bodies.dropPredictiveContacts();
-	btOverlappingPairCache& cache = *m_step.m_parts.world.getPairCache();
-	for ( int k = cache.getNumOverlappingPairs(); k-- > 0; )
+	btCollisionObjectArray& objects = m_step.m_parts.objects;
+	for ( int k = 0; k < objects.size(); ++k )
 	{
-		const btBroadphasePair& last = cache.getOverlappingPairArrayPtr()[k];
-		btManifoldArray manifolds;
-		last.m_algorithm ? last.m_algorithm->getAllContactManifolds( manifolds ) : void();
-		emptyManifolds( manifolds );
-		btBroadphaseProxy *const first = last.m_pProxy0, *const second = last.m_pProxy1;
-		cache.removeOverlappingPair( first, second, m_step.m_parts.dispatcher );
+		btOverlappingPairCache* const cache = cacheOf( *objects[k] );
+		cache ? endPairs( *cache ) : void();
 	}
+	endPairs( *m_step.m_parts.world.getPairCache() );
 	for ( SoftBody* const body : m_bodies.bodies() )
 	{
 		if ( SelfCollision* const self = body->impl().self.get(); self && self->contacts )
@@ -85,6 +82,19 @@ void WorldSnapshot::endContacts()
 		}
 	}
 	m_step.m_impulses.clear();
+}
+
+void WorldSnapshot::endPairs( btOverlappingPairCache& cache )
+{
+	for ( int k = cache.getNumOverlappingPairs(); k-- > 0; )
+	{
+		const btBroadphasePair& last = cache.getOverlappingPairArrayPtr()[k];
+		btManifoldArray manifolds;
+		last.m_algorithm ? last.m_algorithm->getAllContactManifolds( manifolds ) : void();
+		emptyManifolds( manifolds );
+		btBroadphaseProxy *const first = last.m_pProxy0, *const second = last.m_pProxy1;
+		cache.removeOverlappingPair( first, second, m_step.m_parts.dispatcher );
+	}
 }
 
 void WorldSnapshot::removeOthers( RestoredWorld& report )
@@ -200,10 +210,17 @@ void WorldSnapshot::restorePairs()
 		entry.record < 0 ? entry.object->forceActivationState( ACTIVE_TAG ) : void();
 	}
 	const ManifoldRecord* contacts = m_contacts.data();
-	for ( const PairRecord& record : m_pairs )
+	for ( const bool areGhosts : { false, true } )
 	{
-		record.first == record.second ? restoreSelfContacts( record, contacts ) : restorePair( record, contacts );
-		contacts += record.contacts;
+		areGhosts ? restoreGhosts() : void(); // the world's pairs have filled their lists in another order
+		for ( const PairRecord& record : m_pairs )
+		{
+			if ( ( record.ghost >= 0 ) == areGhosts )
+			{
+				record.first == record.second ? restoreSelfContacts( record, contacts ) : restorePair( record, contacts );
+				contacts += record.contacts;
+			}
+		}
 	}
 	m_order.applyTo( *m_step.m_parts.dispatcher );
 	for ( SoftBody* const body : m_live )
@@ -232,7 +249,8 @@ void WorldSnapshot::restorePair( const PairRecord& record, const ManifoldRecord*
 {
 	btCollisionObject *const first = m_entries[std::size_t( record.first )].object,
 							 *const second = m_entries[std::size_t( record.second )].object;
-	btOverlappingPairCache& cache = *m_step.m_parts.world.getPairCache();
+	btOverlappingPairCache& cache = record.ghost >= 0 ? *cacheOf( *m_entries[std::size_t( record.ghost )].object )
+													  : *m_step.m_parts.world.getPairCache();
 	btBroadphasePair* const pair = cache.addOverlappingPair( first->getBroadphaseHandle(), second->getBroadphaseHandle() );
 	if ( !pair || !record.hasAlgorithm )
 	{

@@ -22,7 +22,7 @@ void archive( Archive& archive, PairContacts::Carried& carried )
 
 void WorldSnapshot::PairRecord::archive( Archive& archive )
 {
-	archive( first, second, hasAlgorithm, isSoft, contacts, children );
+	archive( ghost, first, second, hasAlgorithm, isSoft, contacts, children );
 	if ( isSoft )
 	{
 		archive( soft );
@@ -70,7 +70,7 @@ void WorldSnapshot::write( Archive& archive, const SaveSettings& settings )
 	archive( m_touched, m_attachments, m_frames, m_values );
 	m_bodies.group.archive( archive );
 	m_broadphase.archive( archive, int( m_entries.size() ) );
-	archive( m_pairs );
+	archive( m_ghosts, m_pairs );
 	writeManifolds( archive, settings.forComparison );
 }
 
@@ -219,22 +219,10 @@ void WorldSnapshot::addPair( PairRecord&& record, const PairContacts* soft, btCo
 
 void WorldSnapshot::collectPairs()
 {
-	std::vector<const PairContacts*> ours( m_bodies.pairScratch.all.begin(), m_bodies.pairScratch.all.end() );
-	const auto isBefore = []( const PairContacts* a, const PairContacts* b ) { return std::less<>()( a->algorithm, b->algorithm ); };
-	std::sort( ours.begin(), ours.end(), isBefore );
-	btOverlappingPairCache& cache = *m_step.m_parts.world.getPairCache();
-	for ( int k = 0; k < cache.getNumOverlappingPairs(); ++k )
-	{
-		const btBroadphasePair& pair = cache.getOverlappingPairArrayPtr()[k];
-		PairRecord record;
-		record.first = indexOf( static_cast<const btCollisionObject*>( pair.m_pProxy0->m_clientObject ) );
-		record.second = indexOf( static_cast<const btCollisionObject*>( pair.m_pProxy1->m_clientObject ) );
-		record.hasAlgorithm = pair.m_algorithm != nullptr;
-		const auto found = std::lower_bound( ours.begin(), ours.end(), pair.m_algorithm,
-			[]( const PairContacts* each, const btCollisionAlgorithm* sought ) { return std::less<>()( each->algorithm, sought ); } );
-		const bool isOurs = record.hasAlgorithm && found != ours.end() && ( *found )->algorithm == pair.m_algorithm;
-		addPair( std::move( record ), isOurs ? *found : nullptr, pair.m_algorithm );
-	}
+	m_ours.assign( m_bodies.pairScratch.all.begin(), m_bodies.pairScratch.all.end() );
+	std::sort( m_ours.begin(), m_ours.end(),
+		[]( const PairContacts* a, const PairContacts* b ) { return std::less<>()( a->algorithm, b->algorithm ); } );
+	collectPairsOf( *m_step.m_parts.world.getPairCache(), -1 );
 	for ( const SoftBody* const body : m_bodies.bodies() )
 	{
 		if ( body->impl().self && body->impl().self->contacts )
@@ -244,9 +232,27 @@ void WorldSnapshot::collectPairs()
 			addPair( std::move( record ), body->impl().self->contacts.get(), nullptr );
 		}
 	}
+	collectGhosts();
 }
 
-// The dispatcher's list has manifolds of others too, such as of a character's ghost: where states are compared, only the order of those
+void WorldSnapshot::collectPairsOf( btOverlappingPairCache& cache, int ghost )
+{
+	for ( int k = 0; k < cache.getNumOverlappingPairs(); ++k )
+	{
+		const btBroadphasePair& pair = cache.getOverlappingPairArrayPtr()[k];
+		PairRecord record;
+		record.ghost = ghost;
+		record.first = indexOf( static_cast<const btCollisionObject*>( pair.m_pProxy0->m_clientObject ) );
+		record.second = indexOf( static_cast<const btCollisionObject*>( pair.m_pProxy1->m_clientObject ) );
+		record.hasAlgorithm = pair.m_algorithm != nullptr;
+		const auto found = std::lower_bound( m_ours.begin(), m_ours.end(), pair.m_algorithm,
+			[]( const PairContacts* each, const btCollisionAlgorithm* sought ) { return std::less<>()( each->algorithm, sought ); } );
+		const bool isOurs = record.hasAlgorithm && found != m_ours.end() && ( *found )->algorithm == pair.m_algorithm;
+		addPair( std::move( record ), isOurs ? *found : nullptr, pair.m_algorithm );
+	}
+}
+
+// The dispatcher's list has manifolds of others too, such as of another world: where states are compared, only the order of those
 // that are written counts.
 void WorldSnapshot::writeManifolds( Archive& archive, bool areNumbered )
 {
