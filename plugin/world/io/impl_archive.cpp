@@ -129,6 +129,7 @@ void SoftBody::Impl::archiveState( Archive& archive )
 	const auto isNode = [count]( const Near& each ) { return each.node >= 0 && each.node < count; };
 	archive.require( std::isfinite( mass ) && mass > 0.0 && shapeShift.cwiseAbs().maxCoeff() <= kFarthestStored &&
 			std::isfinite( meanSquareSpeed ) && std::isfinite( lastSubstep ) && std::isfinite( skin.tolerance ) &&
+			sweepLow.length() <= kFarthestStored && sweepHigh.length() <= kFarthestStored &&
 			( heldBefore.empty() || heldBefore.size() == std::size_t( count ) ) &&
 			( nodeAxes.empty() || nodeAxes.size() == 4 * std::size_t( count ) ) &&
 			std::all_of( nearNodes.begin(), nearNodes.end(), isNode ) && std::is_sorted( separatedPairs.begin(), separatedPairs.end() ),
