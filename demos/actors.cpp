@@ -2,6 +2,8 @@
 
 #include "demos/palette.h"
 
+#include <tuple>
+
 namespace pliant_demos {
 
 namespace {
@@ -30,6 +32,25 @@ void addEgg( pliant_glue::DrawList& list, const btTransform& at, const btVector3
 }
 
 } // namespace
+
+Character::State Character::state() const
+{
+	return { m_verticalVelocity, m_verticalOffset, m_fallSpeed, m_jumpSpeed, m_currentStepOffset, m_walkDirection, m_normalizedDirection,
+		m_AngVel, m_jumpPosition, m_jumpAxis, m_currentPosition, m_targetPosition, m_touchingNormal, m_currentOrientation,
+		m_targetOrientation, m_touchingContact, m_wasOnGround, m_wasJumping, m_useWalkDirection, m_velocityTimeInterval };
+}
+
+void Character::restore( const State& state )
+{
+	std::tie( m_verticalVelocity, m_verticalOffset, m_fallSpeed, m_jumpSpeed, m_currentStepOffset ) = std::tie(
+		state.fallVelocity, state.fallOffset, state.fallSpeed, state.jumpSpeed, state.stepOffset );
+	std::tie( m_walkDirection, m_normalizedDirection, m_AngVel, m_jumpPosition, m_jumpAxis, m_currentPosition, m_targetPosition,
+		m_touchingNormal ) = std::tie( state.walkDirection, state.normalizedDirection, state.turning, state.jumpPosition, state.jumpAxis,
+		state.position, state.target, state.touchingNormal );
+	std::tie( m_currentOrientation, m_targetOrientation ) = std::tie( state.orientation, state.targetOrientation );
+	std::tie( m_touchingContact, m_wasOnGround, m_wasJumping, m_useWalkDirection, m_velocityTimeInterval ) = std::tie(
+		state.touches, state.wasOnGround, state.wasJumping, state.usesWalkDirection, state.walksFor );
+}
 
 Walker::Walker( btDiscreteDynamicsWorld& world, const btVector3& foot ) :
 	m_world( world ), m_capsule( kWalkerRadius, kWalkerHeight ), m_character( &m_ghost, &m_capsule, kStepHeight, btVector3( 0, 1, 0 ) )
@@ -120,6 +141,25 @@ void Car::drive( btScalar force, btScalar brake, btScalar steer )
 		m_vehicle.applyEngineForce( force / btScalar( m_vehicle.getNumWheels() ), w );
 		m_vehicle.setBrake( brake, w );
 		m_vehicle.setSteeringValue( m_vehicle.getWheelInfo( w ).m_bIsFrontWheel ? steer : 0, w );
+	}
+}
+
+Car::Wheels Car::wheels() const
+{
+	Wheels wheels;
+	for ( int w = 0; w < m_vehicle.getNumWheels(); ++w )
+	{
+		wheels[std::size_t( w )] = m_vehicle.getWheelInfo( w );
+		wheels[std::size_t( w )].m_raycastInfo.m_groundObject = nullptr; // found anew in each step
+	}
+	return wheels;
+}
+
+void Car::restore( const Wheels& wheels )
+{
+	for ( int w = 0; w < m_vehicle.getNumWheels(); ++w )
+	{
+		m_vehicle.getWheelInfo( w ) = wheels[std::size_t( w )];
 	}
 }
 

@@ -10,7 +10,28 @@
 #include <BulletDynamics/Character/btKinematicCharacterController.h>
 #include <BulletDynamics/Vehicle/btRaycastVehicle.h>
 
+#include <array>
+
 namespace pliant_demos {
+
+/// Bullet's character, whose fall and place between two steps a game can save.
+class Character : public btKinematicCharacterController
+{
+public:
+	using btKinematicCharacterController::btKinematicCharacterController;
+
+	/// What it carries from step to step beside its ghost.
+	struct State
+	{
+		btScalar fallVelocity, fallOffset, fallSpeed, jumpSpeed, stepOffset;
+		btVector3 walkDirection, normalizedDirection, turning, jumpPosition, jumpAxis, position, target, touchingNormal;
+		btQuaternion orientation, targetOrientation;
+		bool touches, wasOnGround, wasJumping, usesWalkDirection;
+		btScalar walksFor;
+	};
+	State state() const;
+	void restore( const State& state );
+};
 
 /// A character that walks, steps up and jumps. The world needs a btGhostPairCallback.
 class Walker
@@ -28,12 +49,14 @@ public:
 	/// m/s, upwards; ignored in the air.
 	void jump( btScalar speed );
 	void draw( pliant_glue::DrawList& list ) const;
+	Character::State state() const { return m_character.state(); }
+	void restore( const Character::State& state ) { m_character.restore( state ); }
 
 private:
 	btDiscreteDynamicsWorld& m_world;
 	btCapsuleShape m_capsule;
 	btPairCachingGhostObject m_ghost;
-	btKinematicCharacterController m_character;
+	Character m_character;
 	btVector3 m_heading = btVector3( 1, 0, 0 );
 };
 
@@ -52,6 +75,10 @@ public:
 	/// Until the next call. `force`: N, of all wheels; `brake`: N s a step, of each wheel; `steer`: rad, to the left.
 	void drive( btScalar force, btScalar brake, btScalar steer );
 	void draw( pliant_glue::DrawList& list ) const;
+	/// What the vehicle carries beside its chassis.
+	using Wheels = std::array<btWheelInfo, 4>;
+	Wheels wheels() const;
+	void restore( const Wheels& wheels );
 
 private:
 	btDiscreteDynamicsWorld& m_world;

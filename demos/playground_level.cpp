@@ -230,6 +230,12 @@ void PlaygroundLevel::openGate()
 	m_gate->enableAngularMotor( true, gateAngle() < 1.5 ? btScalar( -1.6 ) : 0, 20 );
 }
 
+void PlaygroundLevel::restore( const Switches& switches )
+{
+	m_gate->setMotorTargetVelocity( switches.gateMotor );
+	mustSucceed( fan.set( switches.wind ) );
+}
+
 bool PlaygroundLevel::addBallOnChain()
 {
 	const btScalar length = btScalar( 0.46 );

@@ -49,6 +49,14 @@ public:
 	double gateAngle() const;
 	double doorAngle() const;
 	void openGate();
+	/// What the scene has set since the level was built.
+	struct Switches
+	{
+		btScalar gateMotor; ///< rad/s
+		pliant::WindSettings wind;
+	};
+	Switches switches() const { return { m_gate->getMotorTargetVelocity(), fan.settings() }; }
+	void restore( const Switches& switches );
 	void draw( pliant_glue::DrawList& list, bool isFired, double seconds ) const;
 
 	pliant::SoftBody *mat = nullptr, *pushBlock = nullptr, *door = nullptr, *ball = nullptr, *flag = nullptr;

@@ -1,6 +1,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 // | A scene saved at random steps, in its stages' worlds: restored there and in a second run of the scene, they must  |
-// | step on as they did, to the bit. The scene itself stands still meanwhile: it moves nothing and cuts nothing.      |
+// | step on as they did, to the bit. The scene itself stands still meanwhile: it moves nothing and cuts nothing; what |
+// | it carries itself, such as a character's fall, it saves and restores itself (Scene::ownState).                    |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/play.h"
@@ -57,18 +58,28 @@ void holdKinematicBodies( Stage& stage )
 	}
 }
 
-/// Restores, steps on, and says what came of it.
-std::string comparison( Stage& stage, const Bytes& from, const Bytes& then, const Bytes& wanted )
+/// What a stage's world was, is to be right after a restore, and is to be later.
+struct Saved
 {
-	const auto restored = pliant::restoreWorld( stage.world(), from );
+	std::any own;
+	Bytes world, then, wanted;
+};
+
+/// Restores, steps on, and says what came of it.
+std::string comparison( Scene& scene, Stage& stage, const Saved& saved )
+{
+	scene.restoreOwnState( saved.own );
+	const auto restored = pliant::restoreWorld( stage.world(), saved.world );
 	if ( !restored )
 	{
 		return restored.status.sentence;
 	}
 	holdKinematicBodies( stage );
-	const bool isSame = save( stage, true ) == then;
+	const bool isSame = save( stage, true ) == saved.then;
 	stepOn( stage );
-	return save( stage, true ) == wanted ? isSame ? "equal" : "equal, but not right away" : isSame ? "DIFFERENT" : "DIFFERENT right away";
+	return save( stage, true ) == saved.wanted ? isSame ? "equal" : "equal, but not right away"
+		: isSame                               ? "DIFFERENT"
+											   : "DIFFERENT right away";
 }
 
 void playTo( Play& play, int step )
@@ -108,13 +119,16 @@ int runSnapshots( const SceneEntry& entry, const RunSettings& settings )
 		for ( std::size_t s = 0; s < stages.size(); ++s )
 		{
 			Stage& stage = *stages[s];
-			const Bytes saved = save( stage, false ), then = save( stage, true );
+			Saved saved{ play.scene().ownState(), save( stage, false ), save( stage, true ), {} };
 			const int bodies = stage.world().softBodyCount(), pieces = stage.world().fragmentCount();
 			stepOn( stage );
-			const Bytes wanted = save( stage, true );
-			others[s]->world().setGravity( stage.world().getGravity() ); // a setting of the scene's
-			const std::string here = comparison( stage, saved, then, wanted ), there = comparison( *others[s], saved, then, wanted );
-			std::printf( "  %6d %8d %8d %10zu   %-28s %s\n", step, bodies, pieces, saved.size(), here.c_str(), there.c_str() );
+			saved.wanted = save( stage, true );
+			if ( others[s]->world().getGravity() != stage.world().getGravity() ) // a setting of the scene's
+			{
+				others[s]->world().setGravity( stage.world().getGravity() );
+			}
+			const std::string here = comparison( play.scene(), stage, saved ), there = comparison( other.scene(), *others[s], saved );
+			std::printf( "  %6d %8d %8d %10zu   %-28s %s\n", step, bodies, pieces, saved.world.size(), here.c_str(), there.c_str() );
 			std::fflush( stdout ); // it takes a while
 			areEqual = areEqual && here == "equal" && there == "equal";
 		}

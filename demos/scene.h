@@ -5,6 +5,7 @@
 #include "demos/stage.h"
 #include "demos/story.h"
 
+#include <any>
 #include <memory>
 #include <string>
 #include <vector>
@@ -45,6 +46,11 @@ public:
 
 	/// In a window, before each step. False for scenes that nobody plays.
 	virtual bool takeKeys( const PlayerKeys& ) { return false; }
+
+	/// What the scene and the objects that it moves itself carry from step to step beside the world's snapshot (docs/guide/saving.md): a
+	/// value that another run of the scene takes too, before its world is restored.
+	virtual std::any ownState() const { return {}; }
+	virtual void restoreOwnState( const std::any& ) {}
 
 	/// Length of what happens, s.
 	virtual double duration() const = 0;

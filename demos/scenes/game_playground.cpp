@@ -158,11 +158,27 @@ public:
 		return story;
 	}
 
+	std::any ownState() const override { return Own{ m_level.switches(), m_walker->state(), m_car->wheels() }; }
+	void restoreOwnState( const std::any& state ) override
+	{
+		const Own& own = std::any_cast<const Own&>( state );
+		m_level.restore( own.switches );
+		m_walker->restore( own.walker );
+		m_car->restore( own.wheels );
+	}
+
 	double duration() const override { return 14.0; }
 	pliant_glue::DrawCamera camera( double ) const override { return { { m_look + 1.2f, 4.4f, 8.4f }, { m_look, 0.7f, -0.3f }, 42.0f }; }
 	pliant_glue::DrawLight light() const override { return { { -0.40f, 0.80f, 0.45f }, { 0.5f, 0.0f, 0 }, 8.5f }; }
 
 private:
+	struct Own
+	{
+		PlaygroundLevel::Switches switches;
+		Character::State walker;
+		Car::Wheels wheels;
+	};
+
 	void followScript()
 	{
 		const btVector3 foot = m_walker->foot();

@@ -158,6 +158,9 @@ public:
 		}
 	}
 
+	std::any ownState() const override { return m_ball->getGravity(); }
+	void restoreOwnState( const std::any& state ) override { m_ball->setGravity( std::any_cast<const btVector3&>( state ) ); }
+
 	void afterStep( Stage& stage, double seconds ) override
 	{
 		ShardScene::afterStep( stage, seconds );

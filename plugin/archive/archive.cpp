@@ -1,5 +1,7 @@
 #include "archive/archive.h"
 
+#include <algorithm>
+
 namespace pliant {
 
 namespace {
@@ -7,7 +9,7 @@ namespace {
 // Odd numbers with bits in no order: a product with one of them mixes all lower bits into the higher ones.
 constexpr std::uint64_t kMix[8] = { 0x9e3779b97f4a7c15u, 0xc2b2ae3d27d4eb4fu, 0x165667b19e3779f9u, 0xd6e8feb86659fd93u, 0x85ebca77c2b2ae63u,
 	0x27d4eb2f165667c5u, 0xff51afd7ed558ccdu, 0xc4ceb9fe1a85ec53u };
-constexpr std::size_t kLanes = 8; // independent of one another, so that a processor works on all at once
+constexpr std::size_t kLanes = 4; // independent of one another, so that a processor works on all at once
 
 std::uint64_t wordAt( const std::byte* data )
 {
@@ -21,18 +23,35 @@ std::uint64_t mixed( std::uint64_t lane, std::uint64_t word, std::uint64_t facto
 	return std::rotl( ( lane ^ word ) * factor, 29 );
 }
 
+/// Four words for one product, which takes longer than the rest.
+std::uint64_t mixedFour( std::uint64_t lane, const std::byte* words, std::uint64_t factor )
+{
+	lane ^= wordAt( words );
+	lane = std::rotl( lane, 37 ) + wordAt( words + sizeof( lane ) );
+	lane = std::rotl( lane, 23 ) ^ wordAt( words + 2 * sizeof( lane ) );
+	return mixed( std::rotl( lane, 37 ) + wordAt( words + 3 * sizeof( lane ) ), 0, factor );
+}
+
 } // namespace
+
+void Archive::grow( std::size_t size )
+{
+	const std::size_t before = written();
+	m_to->resize( std::max( before + size, 2 * m_to->size() ) );
+	m_at = m_to->data() + before;
+	m_limit = m_to->data() + m_to->size();
+}
 
 std::size_t Archive::open()
 {
 	std::uint64_t length = 0;
 	raw( &length, sizeof( length ) );
-	return m_to->size();
+	return written();
 }
 
 void Archive::close( std::size_t opened )
 {
-	const std::uint64_t length = m_to->size() - opened;
+	const std::uint64_t length = written() - opened;
 	std::memcpy( m_to->data() + opened - sizeof( length ), &length, sizeof( length ) );
 }
 
@@ -70,14 +89,15 @@ std::uint64_t hashOf( const std::byte* data, std::size_t size, std::uint64_t see
 	std::uint64_t lane[kLanes];
 	for ( std::size_t k = 0; k < kLanes; ++k )
 	{
-		lane[k] = seed ^ kMix[kLanes - 1 - k];
+		lane[k] = seed ^ kMix[kLanes + k];
 	}
+	constexpr std::size_t kWords = 4 * sizeof( std::uint64_t ); // bytes that a lane takes at a time
 	std::size_t at = 0;
-	for ( ; at + sizeof( lane ) <= size; at += sizeof( lane ) )
+	for ( ; at + kLanes * kWords <= size; at += kLanes * kWords )
 	{
 		for ( std::size_t k = 0; k < kLanes; ++k )
 		{
-			lane[k] = mixed( lane[k], wordAt( data + at + k * sizeof( std::uint64_t ) ), kMix[k] );
+			lane[k] = mixedFour( lane[k], data + at + k * kWords, kMix[k] );
 		}
 	}
 	std::uint64_t hash = std::uint64_t( size ) * kMix[0];

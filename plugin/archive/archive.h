@@ -46,12 +46,15 @@ concept HasArchive = requires( T& value, Archive& archive )
 class Archive
 {
 public:
-	/// Writes to the end of `to`.
-	explicit Archive( std::vector<std::byte>& to ) : m_to( &to ) {}
+	/// Writes over `to`, whose memory is used before more is taken: a list that is written again each frame is neither filled with zeros
+	/// nor enlarged. `finish` cuts off what is left of it. Not to be copied while it writes.
+	explicit Archive( std::vector<std::byte>& to ) : m_to( &to ), m_at( to.data() ), m_limit( to.data() + to.size() ) {}
 	/// Reads.
 	Archive( const std::byte* data, std::size_t size ) : m_from( data ), m_end( data + size ) {}
 
 	bool isReading() const { return m_to == nullptr; }
+	/// Gives the list that is written the length of what has been written.
+	void finish() { m_to->resize( written() ); }
 	/// From now on the data counts as unchanged since it was written: values are not checked, counts still are.
 	void trust() { m_isTrusted = true; }
 	bool isTrusted() const { return m_isTrusted; }
@@ -162,15 +165,26 @@ public:
 	{
 		if ( m_to )
 		{
-			const std::size_t before = m_to->size();
-			m_to->resize( before + size );
-			std::memcpy( m_to->data() + before, bytes, size );
+			std::memcpy( extend( size ), bytes, size );
 		}
 		else if ( const std::byte* const from = take( size ) )
 		{
 			std::memcpy( bytes, from, size );
 		}
 	}
+	/// Memory of the next `size` bytes that are written, to be filled before the next call.
+	std::byte* extend( std::size_t size )
+	{
+		if ( size > std::size_t( m_limit - m_at ) )
+		{
+			grow( size );
+		}
+		std::byte* const first = m_at;
+		m_at += size;
+		return first;
+	}
+	/// Passes the next bytes that are read, which stay where they are; null where there are fewer.
+	const std::byte* take( std::size_t size );
 
 	/// Bytes that are not read yet.
 	std::size_t left() const { return isSound() ? std::size_t( m_end - m_from ) : 0; }
@@ -182,8 +196,8 @@ public:
 	const std::byte* data() const { return m_from; }
 
 private:
-	/// Passes the next bytes; null where there are fewer.
-	const std::byte* take( std::size_t size );
+	std::size_t written() const { return std::size_t( m_at - m_to->data() ); }
+	void grow( std::size_t size );
 
 	template <class T>
 	void value( T& v )
@@ -250,13 +264,21 @@ private:
 	template <class T, std::size_t N>
 	void value( T ( &array )[N] )
 	{
-		for ( T& each : array )
+		if constexpr ( IsFlat<T>::value )
 		{
-			value( each );
+			raw( array, sizeof( array ) );
+		}
+		else
+		{
+			for ( T& each : array )
+			{
+				value( each );
+			}
 		}
 	}
 
 	std::vector<std::byte>* m_to = nullptr;
+	std::byte *m_at = nullptr, *m_limit = nullptr; ///< where it writes, and the end of the list
 	const std::byte *m_from = nullptr, *m_end = nullptr;
 	const char* m_problem = nullptr;
 	bool m_isTrusted = false;

@@ -254,6 +254,7 @@ std::uint64_t BodyTemplate::fingerprint() const
 		std::vector<std::byte> bytes;
 		Archive archive( bytes );
 		data.archive( archive, false );
+		archive.finish();
 		data.fingerprint = hashOf( bytes.data(), bytes.size() );
 	} );
 	return data.fingerprint;

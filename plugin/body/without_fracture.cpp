@@ -1,11 +1,17 @@
-// For builds without fracture: no body ever breaks, Body::m_breaking stays null, and this is never called.
+// For builds without fracture: no body ever breaks, and Body::m_breaking stays null.
 
+#include "body/body.h"
 #include "body/breaking.h"
 #include "fracture/shards/shard_cracks.h"
 
 namespace pliant {
 
-Breaking::Breaking() = default;
+bool Body::hasBrokenLinks() const
+{
+	return false;
+}
+
+Breaking::Breaking() = default; // never called, as what follows
 
 Breaking::~Breaking() = default;
 

@@ -20,4 +20,12 @@ Status Body::implicitStatus() const
 void Body::pushImplicitly( float, float, const Vec3&, TaskRunner* ) {}
 void Body::respond( const float*, float*, TaskRunner* ) {}
 
+// Never called: no body has an implicit motion.
+Matrix6 ImplicitMotion::rigidMass( int ) const
+{
+	return Matrix6::Identity();
+}
+
+void ImplicitMotion::addMotion( const Vector6&, int ) {}
+
 } // namespace pliant

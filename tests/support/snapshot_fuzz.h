@@ -8,6 +8,8 @@
 #include "world/io/snapshot_format.h"
 #include "world/test_world.h"
 
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
+
 namespace pliant::test {
 
 /// A small world with everything that a snapshot can hold.
@@ -38,12 +40,36 @@ inline void buildSmallWorld( TestWorld& world )
 	world.run( 6 );
 }
 
+/// A character's ghost among the bodies, which has looked for contacts in its own pairs.
+struct GhostAmongBodies
+{
+	btGhostPairCallback callback;
+	btSphereShape shape = btSphereShape( btScalar( 0.2 ) );
+	btPairCachingGhostObject ghost;
+
+	void join( TestWorld& to )
+	{
+		to.world.getPairCache()->setInternalGhostPairCallback( &callback );
+		ghost.setCollisionShape( &shape );
+		ghost.setCollisionFlags( btCollisionObject::CF_CHARACTER_OBJECT );
+		ghost.setWorldTransform( at( 0.3f, 0.25f, 0 ) );
+		to.world.addCollisionObject( &ghost, btBroadphaseProxy::CharacterFilter, btBroadphaseProxy::AllFilter );
+	}
+	void look( TestWorld& in )
+	{
+		in.parts.dispatcher.dispatchAllCollisionPairs( ghost.getOverlappingPairCache(), in.world.getDispatchInfo(), &in.parts.dispatcher );
+		EXPECT_GT( ghost.getOverlappingPairCache()->getNumOverlappingPairs(), 2 );
+	}
+};
+
 class SnapshotFuzz
 {
 public:
 	explicit SnapshotFuzz( unsigned seed ) : m_random( seed )
 	{
+		m_ghost.join( m_world );
 		buildSmallWorld( m_world );
+		m_ghost.look( m_world );
 		m_whole = savedWorld( m_world.world, true );
 		m_state = savedWorld( m_world.world );
 		m_then = stateOf( m_world.world );
@@ -150,6 +176,7 @@ private:
 	}
 
 	Random m_random;
+	GhostAmongBodies m_ghost; // longer than the world
 	TestWorld m_world;
 	Bytes m_whole, m_state, m_then, m_body, m_template;
 };

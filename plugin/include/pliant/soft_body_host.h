@@ -236,6 +236,8 @@ protected:
 	/// At the start of the world's destructor: soft bodies leave, fragments that nobody has taken over are deleted.
 	void hostDetach();
 
+	/// Nothing of a step is ours: the world's overrides call Bullet's stages and nothing else.
+	bool isPlain() const { return *m_isPlain; }
 	// What the world's overrides of Bullet's calls do; world/step/world_step.cpp is the order of a step.
 	void singleStep( btScalar timeStep );
 	void predictStage( btScalar h );
@@ -265,6 +267,7 @@ protected:
 
 private:
 	std::unique_ptr<WorldStep> m_step;
+	const bool* m_isPlain = nullptr;
 };
 
 } // namespace pliant

@@ -67,7 +67,8 @@ public:
 	/// 0, else fixedTimeStep) is cut to 1 s.
 	int stepSimulation( btScalar timeStep, int maxSubSteps = 1, btScalar fixedTimeStep = btScalar( 1. ) / btScalar( 60. ) ) override
 	{
-		return beginTick( timeStep, maxSubSteps, fixedTimeStep ) ? Base::stepSimulation( timeStep, maxSubSteps, fixedTimeStep ) : 0;
+		return isPlain() || beginTick( timeStep, maxSubSteps, fixedTimeStep ) ? Base::stepSimulation( timeStep, maxSubSteps, fixedTimeStep )
+																			  : 0;
 	}
 	/// A soft body comes in as by addSoftBody; Bullet's default filter, which is for static objects, is a dynamic body's then. What stands
 	/// in a manifold for a soft body's node is never added itself.
@@ -116,7 +117,7 @@ public:
 	void clearForces() override
 	{
 		Base::clearForces();
-		endTick();
+		isPlain() ? void() : endTick();
 	}
 	/// As Bullet's; skins of soft bodies with SoftBody::setInterpolation are drawn at the same time.
 	void synchronizeMotionStates() override
@@ -143,24 +144,39 @@ public:
 	/// not there.
 	void serialize( btSerializer* serializer ) override { hostSerialize( *serializer ); }
 	/// As Bullet's, contacts of soft bodies included.
-	void solveConstraints( btContactSolverInfo& info ) override { solveStage( info ); }
+	void solveConstraints( btContactSolverInfo& info ) override { isPlain() ? Base::solveConstraints( info ) : solveStage( info ); }
 
 protected:
 	// The stages of a step, in Bullet's order. timeStep in s.
 	/// As Bullet's, with soft substeps where soft bodies need them. The following stages may be called several times per step then.
-	void internalSingleStepSimulation( btScalar timeStep ) override { singleStep( timeStep ); }
+	void internalSingleStepSimulation( btScalar timeStep ) override
+	{
+		isPlain() ? Base::internalSingleStepSimulation( timeStep ) : singleStep( timeStep );
+	}
 	/// As Bullet's; for soft bodies shape matching, forces, pins, breaking and levels of detail.
-	void predictUnconstraintMotion( btScalar timeStep ) override { predictStage( timeStep ); }
+	void predictUnconstraintMotion( btScalar timeStep ) override
+	{
+		isPlain() ? Base::predictUnconstraintMotion( timeStep ) : predictStage( timeStep );
+	}
 	/// As Bullet's; finds contacts of fast rigid bodies with nodes too.
-	void createPredictiveContacts( btScalar timeStep ) override { predictiveContactsStage( timeStep ); }
+	void createPredictiveContacts( btScalar timeStep ) override
+	{
+		isPlain() ? Base::createPredictiveContacts( timeStep ) : predictiveContactsStage( timeStep );
+	}
 	/// As Bullet's, contacts of soft bodies included.
-	void performDiscreteCollisionDetection() override { detectStage(); }
+	void performDiscreteCollisionDetection() override { isPlain() ? Base::performDiscreteCollisionDetection() : detectStage(); }
 	/// As Bullet's, with soft bodies as members of islands.
-	void calculateSimulationIslands() override { islandsStage(); }
+	void calculateSimulationIslands() override { isPlain() ? Base::calculateSimulationIslands() : islandsStage(); }
 	/// As Bullet's; moves the nodes of soft bodies too.
-	void integrateTransforms( btScalar timeStep ) override { integrateStage( timeStep ); }
+	void integrateTransforms( btScalar timeStep ) override
+	{
+		isPlain() ? Base::integrateTransforms( timeStep ) : integrateStage( timeStep );
+	}
 	/// As Bullet's; soft bodies fall asleep too.
-	void updateActivationState( btScalar timeStep ) override { activationStage( timeStep ); }
+	void updateActivationState( btScalar timeStep ) override
+	{
+		isPlain() ? Base::updateActivationState( timeStep ) : activationStage( timeStep );
+	}
 
 private:
 	/// Sees which class declares Base's protected functions.

@@ -39,6 +39,7 @@ bool SoftBodySystem::add( SoftBody& body )
 	body.impl().system = this;
 	body.impl().serial = ++m_serials;
 	m_bodies.push_back( &body );
+	isPlain = false;
 	releaseLostPins( body, true );
 	return true;
 }

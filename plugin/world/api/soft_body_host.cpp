@@ -16,6 +16,7 @@ SoftBodyHost::~SoftBodyHost() = default;
 void SoftBodyHost::hostAttach( BulletStages& stages, const BulletStages::Parts& parts, BulletPrecision )
 {
 	m_step = std::make_unique<WorldStep>( stages, parts );
+	m_isPlain = &m_step->bodies.isPlain;
 }
 
 void SoftBodyHost::hostDetach()

@@ -260,6 +260,7 @@ const std::vector<ContactEvent>& SoftBodyHost::contactEvents() const
 
 Status SoftBodyHost::addForceField( ForceField& field )
 {
+	m_step->bodies.isPlain = false;
 	return m_step->bodies.fields.add( field ) ? Status{} : refused( "addForceField", "the field is in a world already." );
 }
 

@@ -55,9 +55,9 @@ namespace {
 bool isMadeOf( SoftBody& body, const Archive& part )
 {
 	thread_local std::vector<std::byte> own;
-	own.clear();
 	Archive writer( own );
 	body.impl().archiveMake( writer );
+	writer.finish();
 	return own.size() == part.left() && std::equal( own.begin(), own.end(), part.data() );
 }
 

@@ -300,8 +300,8 @@ bool BroadphaseRecord::areStaged() const
 void BroadphaseRecord::archive( Archive& archive, int objects )
 {
 	archive( m_proxies, m_hasTrees, m_trees, m_stages, m_counters, m_calls, m_done, m_needsCleanup );
-	archive.require(
-		m_proxies.size() == std::size_t( objects ) && ( !m_hasTrees || areComplete( objects ) ), "The broadphase is not whole." );
+	archive.require( !archive.isReading() || ( m_proxies.size() == std::size_t( objects ) && ( !m_hasTrees || areComplete( objects ) ) ),
+		"The broadphase is not whole." );
 	archive.require( m_counters[0] >= 0 && m_counters[0] < btDbvtBroadphase::STAGECOUNT && m_counters[4] >= 0 && m_counters[1] >= 0,
 		"The broadphase's counters are out of range." );
 }

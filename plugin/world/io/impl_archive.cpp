@@ -129,6 +129,7 @@ void SoftBody::Impl::archiveState( Archive& archive )
 	const auto isNode = [count]( const Near& each ) { return each.node >= 0 && each.node < count; };
 	archive.require( std::isfinite( mass ) && mass > 0.0 && shapeShift.cwiseAbs().maxCoeff() <= kFarthestStored &&
 			std::isfinite( meanSquareSpeed ) && std::isfinite( lastSubstep ) && std::isfinite( skin.tolerance ) &&
+			sweepLow.length() <= kFarthestStored && sweepHigh.length() <= kFarthestStored &&
 			( heldBefore.empty() || heldBefore.size() == std::size_t( count ) ) &&
 			( nodeAxes.empty() || nodeAxes.size() == 4 * std::size_t( count ) ) &&
 			std::all_of( nearNodes.begin(), nearNodes.end(), isNode ) && std::is_sorted( separatedPairs.begin(), separatedPairs.end() ),
@@ -138,6 +139,7 @@ void SoftBody::Impl::archiveState( Archive& archive )
 		shape->place( body->nodes(), shapeShift );
 		shape->setSweep( sweepLow, sweepHigh );
 		skin.nodesMoved();
+		++skin.moves;
 	}
 }
 
@@ -171,6 +173,7 @@ void SoftBody::Impl::install( SoftBody& owner, std::unique_ptr<Impl> impl )
 	}
 	owner.m_impl = std::move( impl );
 	Impl& now = *owner.m_impl;
+	++now.skin.moves; // whatever it was moved to: queries begin anew
 	now.proxyOfNode.assign( std::size_t( now.body->nodeCount() ), nullptr );
 	owner.m_internalType = kInternalType;
 	owner.internalSetExtensionPointer( const_cast<char*>( &kSoftBodyMark ) );

@@ -1,8 +1,9 @@
-// Frames and poses as bytes.
+// Frames, poses and ghosts as bytes.
 
 #include "world/bodies/frame_patch.h"
 #include "world/io/world_snapshot.h"
 
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
@@ -112,6 +113,74 @@ void PoseFollower::archiveState( Archive& archive )
 	{
 		archive.require( std::all_of( positions->begin(), positions->end(), []( const Vec3d& at ) { return at.allFinite(); } ),
 			"A number is not finite." );
+	}
+}
+
+btOverlappingPairCache* WorldSnapshot::cacheOf( btCollisionObject& object )
+{
+	static const btPairCachingGhostObject known;
+	return btGhostObject::upcast( &object ) && isSameClass( object, known )
+		? static_cast<btPairCachingGhostObject&>( object ).getOverlappingPairCache()
+		: nullptr;
+}
+
+void WorldSnapshot::collectGhosts()
+{
+	const btCollisionObjectArray& objects = m_step.m_parts.objects;
+	for ( int k = 0; k < objects.size(); ++k )
+	{
+		const btGhostObject* const ghost = btGhostObject::upcast( objects[k] );
+		if ( !ghost )
+		{
+			continue;
+		}
+		GhostRecord record;
+		record.ghost = k;
+		for ( int n = 0; n < ghost->getNumOverlappingObjects(); ++n )
+		{
+			const int object = indexOf( ghost->getOverlappingObject( n ) );
+			object >= 0 ? record.overlaps.push_back( object ) : void();
+		}
+		m_ghosts.push_back( std::move( record ) );
+		btOverlappingPairCache* const cache = cacheOf( *objects[k] );
+		cache ? collectPairsOf( *cache, k ) : void();
+	}
+}
+
+void WorldSnapshot::checkGhosts( Archive& archive ) const
+{
+	const auto isGhost = [this]( int object ) {
+		return isObject( object ) && !isSoft( object ) && btGhostObject::upcast( m_entries[std::size_t( object )].object );
+	};
+	for ( const GhostRecord& record : m_ghosts )
+	{
+		const auto isAny = [this]( int object ) { return isObject( object ); };
+		archive.require( isGhost( record.ghost ) && std::all_of( record.overlaps.begin(), record.overlaps.end(), isAny ),
+			"A ghost is no ghost, or overlaps what is not there." );
+	}
+	int before = -1;
+	for ( const PairRecord& pair : m_pairs )
+	{
+		const int ghost = pair.ghost;
+		archive.require( ghost >= before && ( ghost < 0 || ( isGhost( ghost ) && cacheOf( *m_entries[std::size_t( ghost )].object ) ) ),
+			"A pair belongs to a ghost that has none." );
+		archive.require( ghost < 0 || ( ( pair.first == ghost ) != ( pair.second == ghost ) ), "A ghost has a pair of others." );
+		before = std::max( before, ghost );
+	}
+}
+
+void WorldSnapshot::restoreGhosts()
+{
+	for ( const GhostRecord& record : m_ghosts )
+	{
+		btGhostObject& ghost = *btGhostObject::upcast( m_entries[std::size_t( record.ghost )].object );
+		btOverlappingPairCache* const cache = cacheOf( ghost );
+		cache ? endPairs( *cache ) : void();
+		ghost.getOverlappingPairs().resizeNoInitialize( 0 );
+		for ( const int object : record.overlaps )
+		{
+			ghost.getOverlappingPairs().push_back( m_entries[std::size_t( object )].object );
+		}
 	}
 }
 

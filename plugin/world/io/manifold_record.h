@@ -7,32 +7,36 @@
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace pliant {
 
-/// One manifold, without the objects that it belongs to.
-struct ManifoldRecord
+/// One manifold, without the objects that it belongs to, as it lies in a snapshot: it is written from Bullet's object and read in place.
+class ManifoldRecord
 {
-	/// The point's numbers, and its integers; user data are the game's.
-	struct Point
-	{
-		static constexpr int kScalars = 35, kIntegers = 6;
-		btScalar scalar[kScalars];
-		int integer[kIntegers];
-		void archive( Archive& archive );
-	};
-	int rank = 0; ///< in the dispatcher's list: the solver's order
-	int count = 0;
-	btScalar breakingThreshold = 0, processingThreshold = 0;
-	Point point[MANIFOLD_CACHE_SIZE]; ///< the first `count` are set
-	bool hasImpulses = false;         ///< of a step with substeps
-	StepImpulses::Contact impulses{ nullptr, { nullptr, nullptr }, 0.0 };
-
-	static ManifoldRecord of( const btPersistentManifold& manifold, int rank, StepImpulses& impulses );
+public:
+	/// `impulses`: of a step with substeps; null where there are none.
+	static void write( Archive& archive, const btPersistentManifold& manifold, int rank, const StepImpulses::Contact* impulses );
+	void archive( Archive& archive );
 	/// Writes it to a manifold of the same objects.
 	void applyTo( btPersistentManifold& manifold, StepImpulses& to ) const;
-	void archive( Archive& archive );
+	/// Its place in the dispatcher's list: the solver's order.
+	int rank() const { return m_head.rank; }
+
+private:
+	struct Head
+	{
+		std::int32_t rank = 0;
+		std::int16_t count = 0, impulses = 0; ///< points, and points with impulses of a substep
+		double sum = 0.0;                     ///< StepImpulses::Contact's
+		btScalar breakingThreshold = 0, processingThreshold = 0;
+	};
+	static_assert( sizeof( Head ) == 16 + 2 * sizeof( btScalar ) );
+
+	Head m_head;
+	const std::byte *m_points = nullptr, *m_impulses = nullptr; ///< in the bytes that are read
 };
 
 /// The manifolds of a world in the order that the solver takes them.

@@ -63,6 +63,14 @@ ObjectState ObjectState::of( const btCollisionObject& object )
 
 void ObjectState::applyTo( btCollisionObject& object ) const
 {
+	const int type = object.getInternalType();
+	if ( type == btCollisionObject::CO_COLLISION_OBJECT || type == btCollisionObject::CO_GHOST_OBJECT )
+	{
+		object.setWorldTransform( transform );
+		object.setInterpolationWorldTransform( interpolation );
+		object.setInterpolationLinearVelocity( interpolationLinear );
+		object.setInterpolationAngularVelocity( interpolationAngular );
+	}
 	if ( btRigidBody* const rigid = btRigidBody::upcast( &object ) )
 	{
 		rigid->setCenterOfMassTransform( transform ); // the inertia in world axes too
@@ -88,7 +96,7 @@ void ObjectState::archive( Archive& archive )
 		deactivationTime );
 	archive.require( activation >= ACTIVE_TAG && activation <= DISABLE_SIMULATION + 1 && std::isfinite( deactivationTime ),
 		"The activation state of an object is out of range." );
-	archive.require( archive.isTrusted() ||
+	archive.require( !archive.isReading() || archive.isTrusted() ||
 			( isPlace( transform ) && isPlace( interpolation ) &&
 				areWithin( kFastestStoredObject, { linear, angular, interpolationLinear, interpolationAngular } ) &&
 				areWithin( kStrongestStored, { force, torque } ) ),

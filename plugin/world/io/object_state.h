@@ -22,7 +22,7 @@ bool isSameClass( const Base& object, const Known& known )
 void archive( Archive& archive, btVector3& vector );
 void archive( Archive& archive, btTransform& transform );
 
-/// What a step changes of an object. Of an object that is no rigid body, transforms and velocities stay as they are.
+/// What a step changes of an object. Of a link of a multibody, transforms and velocities stay as they are.
 struct ObjectState
 {
 	btTransform transform = btTransform::getIdentity(), interpolation = btTransform::getIdentity();

@@ -24,7 +24,8 @@ void WorldSnapshot::read( Archive& archive, const LoadSettings& settings )
 	archive( m_touched, m_attachments, m_frames, m_values );
 	m_group.archive( archive );
 	m_broadphase.archive( archive, int( m_entries.size() ) );
-	archive( m_pairs );
+	archive( m_ghosts, m_pairs );
+	readManifolds( archive );
 	archive.require( !archive.isSound() || archive.left() == 0, "The snapshot has more data than it needs." );
 	if ( archive.isSound() )
 	{
@@ -156,8 +157,20 @@ bool WorldSnapshot::hasNodes( int object ) const
 	return isSoft( object ) && !m_records[std::size_t( m_entries[std::size_t( object )].record )].isRigid;
 }
 
+void WorldSnapshot::readManifolds( Archive& archive )
+{
+	for ( const PairRecord& pair : m_pairs )
+	{
+		for ( int k = 0; k < pair.contacts && archive.isSound(); ++k )
+		{
+			m_contacts.emplace_back().archive( archive );
+		}
+	}
+}
+
 void WorldSnapshot::checkPair( Archive& archive, const PairRecord& pair ) const
 {
+	archive.require( pair.contacts >= 0, "A pair has a negative number of contacts." );
 	archive.require( isObject( pair.first ) && isObject( pair.second ), "A pair has an object that is not there." );
 	archive.require( pair.first != pair.second || pair.isSoft, "An object that is no soft body touches itself." );
 	if ( !archive.isSound() || !pair.isSoft )
@@ -166,7 +179,7 @@ void WorldSnapshot::checkPair( Archive& archive, const PairRecord& pair ) const
 	}
 	const bool isSelf = pair.first == pair.second;
 	const int soft = hasNodes( pair.first ) ? pair.first : pair.second, other = soft == pair.first ? pair.second : pair.first;
-	archive.require( hasNodes( soft ) && pair.contacts.size() == pair.soft.keys.size(), "A contact has no body." );
+	archive.require( hasNodes( soft ) && std::size_t( pair.contacts ) == pair.soft.keys.size(), "A contact has no body." );
 	for ( const std::uint64_t key : pair.soft.keys )
 	{
 		archive.require(
@@ -226,6 +239,7 @@ void WorldSnapshot::checkReferences( Archive& archive )
 			"An impulse acts on an object that is not there." );
 	}
 	checkFrames( archive );
+	checkGhosts( archive );
 	for ( const PairRecord& pair : m_pairs )
 	{
 		checkPair( archive, pair );

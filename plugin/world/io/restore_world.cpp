@@ -64,16 +64,13 @@ void WorldSnapshot::endContacts()
 {
 	m_step.m_stages.releasePredictiveContacts();
 	m_bodies.dropPredictiveContacts();
-	btOverlappingPairCache& cache = *m_step.m_parts.world.getPairCache();
-	for ( int k = cache.getNumOverlappingPairs(); k-- > 0; )
+	btCollisionObjectArray& objects = m_step.m_parts.objects;
+	for ( int k = 0; k < objects.size(); ++k )
 	{
-		const btBroadphasePair& last = cache.getOverlappingPairArrayPtr()[k];
-		btManifoldArray manifolds;
-		last.m_algorithm ? last.m_algorithm->getAllContactManifolds( manifolds ) : void();
-		emptyManifolds( manifolds );
-		btBroadphaseProxy *const first = last.m_pProxy0, *const second = last.m_pProxy1;
-		cache.removeOverlappingPair( first, second, m_step.m_parts.dispatcher );
+		btOverlappingPairCache* const cache = cacheOf( *objects[k] );
+		cache ? endPairs( *cache ) : void();
 	}
+	endPairs( *m_step.m_parts.world.getPairCache() );
 	for ( SoftBody* const body : m_bodies.bodies() )
 	{
 		if ( SelfCollision* const self = body->impl().self.get(); self && self->contacts )
@@ -85,6 +82,19 @@ void WorldSnapshot::endContacts()
 		}
 	}
 	m_step.m_impulses.clear();
+}
+
+void WorldSnapshot::endPairs( btOverlappingPairCache& cache )
+{
+	for ( int k = cache.getNumOverlappingPairs(); k-- > 0; )
+	{
+		const btBroadphasePair& last = cache.getOverlappingPairArrayPtr()[k];
+		btManifoldArray manifolds;
+		last.m_algorithm ? last.m_algorithm->getAllContactManifolds( manifolds ) : void();
+		emptyManifolds( manifolds );
+		btBroadphaseProxy *const first = last.m_pProxy0, *const second = last.m_pProxy1;
+		cache.removeOverlappingPair( first, second, m_step.m_parts.dispatcher );
+	}
 }
 
 void WorldSnapshot::removeOthers( RestoredWorld& report )
@@ -199,23 +209,18 @@ void WorldSnapshot::restorePairs()
 		// Bullet makes no manifold for two objects that sleep. Their states follow.
 		entry.record < 0 ? entry.object->forceActivationState( ACTIVE_TAG ) : void();
 	}
-	for ( const PairRecord& record : m_pairs )
+	const ManifoldRecord* contacts = m_contacts.data();
+	for ( const bool areGhosts : { false, true } )
 	{
-		if ( record.first != record.second )
+		areGhosts ? restoreGhosts() : void(); // the world's pairs have filled their lists in another order
+		for ( const PairRecord& record : m_pairs )
 		{
-			restorePair( record );
-			continue;
+			if ( ( record.ghost >= 0 ) == areGhosts )
+			{
+				record.first == record.second ? restoreSelfContacts( record, contacts ) : restorePair( record, contacts );
+				contacts += record.contacts;
+			}
 		}
-		SoftBody& soft = *asSoftBody( m_entries[std::size_t( record.first )].object );
-		if ( !soft.impl().self )
-		{
-			continue;
-		}
-		soft.impl().self->contacts = std::make_unique<PairContacts>( m_bodies.m_dispatcher, m_bodies.pool, m_bodies.pairScratch );
-		soft.impl().self->contacts->carrySelf( record.soft, soft );
-		btManifoldArray manifolds;
-		soft.impl().self->contacts->collectManifolds( manifolds );
-		fillManifolds( record, manifolds );
 	}
 	m_order.applyTo( *m_step.m_parts.dispatcher );
 	for ( SoftBody* const body : m_live )
@@ -224,13 +229,28 @@ void WorldSnapshot::restorePairs()
 	}
 }
 
+void WorldSnapshot::restoreSelfContacts( const PairRecord& record, const ManifoldRecord* contacts )
+{
+	SoftBody& soft = *asSoftBody( m_entries[std::size_t( record.first )].object );
+	SelfCollision* const self = soft.impl().self.get();
+	if ( self )
+	{
+		self->contacts = std::make_unique<PairContacts>( m_bodies.m_dispatcher, m_bodies.pool, m_bodies.pairScratch );
+		self->contacts->carrySelf( record.soft, soft );
+		btManifoldArray manifolds;
+		self->contacts->collectManifolds( manifolds );
+		fillManifolds( record, contacts, manifolds );
+	}
+}
+
 // Bullet's own algorithms make their manifolds when they first look at a pair, here at the places that the objects had; the manifolds are
 // then filled with what they held.
-void WorldSnapshot::restorePair( const PairRecord& record )
+void WorldSnapshot::restorePair( const PairRecord& record, const ManifoldRecord* stored )
 {
 	btCollisionObject *const first = m_entries[std::size_t( record.first )].object,
 							 *const second = m_entries[std::size_t( record.second )].object;
-	btOverlappingPairCache& cache = *m_step.m_parts.world.getPairCache();
+	btOverlappingPairCache& cache = record.ghost >= 0 ? *cacheOf( *m_entries[std::size_t( record.ghost )].object )
+													  : *m_step.m_parts.world.getPairCache();
 	btBroadphasePair* const pair = cache.addOverlappingPair( first->getBroadphaseHandle(), second->getBroadphaseHandle() );
 	if ( !pair || !record.hasAlgorithm )
 	{
@@ -255,18 +275,15 @@ void WorldSnapshot::restorePair( const PairRecord& record )
 		makeManifolds( *pair->m_algorithm, record.children, wrapped, *m_step.m_parts.dispatcher, m_step.m_parts.world.getDispatchInfo() );
 		pair->m_algorithm->getAllContactManifolds( manifolds );
 	}
-	fillManifolds( record, manifolds );
+	fillManifolds( record, stored, manifolds );
 }
 
-void WorldSnapshot::fillManifolds( const PairRecord& record, const btManifoldArray& manifolds )
+void WorldSnapshot::fillManifolds( const PairRecord& record, const ManifoldRecord* contacts, const btManifoldArray& manifolds )
 {
-	for ( int k = 0; k < manifolds.size(); ++k )
+	for ( int k = 0; k < std::min( manifolds.size(), record.contacts ); ++k )
 	{
-		if ( std::size_t( k ) < record.contacts.size() )
-		{
-			record.contacts[std::size_t( k )].applyTo( *manifolds[k], m_step.m_impulses );
-			m_order.add( record.contacts[std::size_t( k )].rank, *manifolds[k] );
-		}
+		contacts[k].applyTo( *manifolds[k], m_step.m_impulses );
+		m_order.add( contacts[k].rank(), *manifolds[k] );
 	}
 }
 

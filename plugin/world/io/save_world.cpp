@@ -1,8 +1,11 @@
 // Collects and writes the state of a world.
 
+#include "world/bodies/prefetch.h"
 #include "world/io/world_snapshot.h"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 
 namespace pliant {
 
@@ -19,12 +22,11 @@ void archive( Archive& archive, PairContacts::Carried& carried )
 
 void WorldSnapshot::PairRecord::archive( Archive& archive )
 {
-	archive( first, second, hasAlgorithm, isSoft );
+	archive( ghost, first, second, hasAlgorithm, isSoft, contacts, children );
 	if ( isSoft )
 	{
 		archive( soft );
 	}
-	archive( children, contacts );
 }
 
 void archive( Archive& archive, SharedNodes& nodes )
@@ -57,10 +59,6 @@ void WorldSnapshot::Values::archive( Archive& archive )
 void WorldSnapshot::write( Archive& archive, const SaveSettings& settings )
 {
 	collect( settings );
-	if ( settings.forComparison )
-	{
-		numberManifolds();
-	}
 	writeTemplates( archive, settings.withTemplates );
 	archive( m_entries, m_familySizes, m_cuts );
 	std::uint64_t count = m_records.size();
@@ -72,7 +70,8 @@ void WorldSnapshot::write( Archive& archive, const SaveSettings& settings )
 	archive( m_touched, m_attachments, m_frames, m_values );
 	m_bodies.group.archive( archive );
 	m_broadphase.archive( archive, int( m_entries.size() ) );
-	archive( m_pairs );
+	archive( m_ghosts, m_pairs );
+	writeManifolds( archive, settings.forComparison );
 }
 
 void WorldSnapshot::collect( const SaveSettings& settings )
@@ -98,7 +97,7 @@ void WorldSnapshot::collect( const SaveSettings& settings )
 		record.cuts = impl.cuts ? indexIn( cuts, impl.cuts ) : -1;
 		m_records.push_back( std::move( record ) );
 		m_live.push_back( body );
-		m_touched.emplace_back();
+		m_touched.emplace_back().reserve( impl.touched.size() );
 		for ( const ContactProxy* const proxy : impl.touched )
 		{
 			m_touched.back().push_back( proxy->node );
@@ -192,82 +191,87 @@ void WorldSnapshot::collectAttachments()
 	}
 }
 
-std::vector<ManifoldRecord> WorldSnapshot::contactsOf( const PairContacts& contacts )
+void WorldSnapshot::addPair( PairRecord&& record, const PairContacts* soft, btCollisionAlgorithm* algorithm )
 {
-	std::vector<ManifoldRecord> records;
-	records.reserve( contacts.contacts().size() );
-	for ( const NodeContact& contact : contacts.contacts() )
+	const std::size_t before = m_manifolds.size();
+	if ( soft )
 	{
-		records.push_back( ManifoldRecord::of( *contact.manifold, contact.manifold->m_index1a, m_step.m_impulses ) );
+		record.isSoft = true;
+		record.soft = soft->carried();
+		for ( const NodeContact& contact : soft->contacts() )
+		{
+			m_manifolds.push_back( contact.manifold );
+		}
 	}
-	return records;
-}
-
-WorldSnapshot::PairRecord WorldSnapshot::recordOf( const btBroadphasePair& pair )
-{
-	PairRecord record;
-	record.first = indexOf( static_cast<const btCollisionObject*>( pair.m_pProxy0->m_clientObject ) );
-	record.second = indexOf( static_cast<const btCollisionObject*>( pair.m_pProxy1->m_clientObject ) );
-	record.hasAlgorithm = pair.m_algorithm != nullptr;
-	const std::vector<PairContacts*>& all = m_bodies.pairScratch.all;
-	const auto soft = std::find_if( all.begin(), all.end(),
-		[&pair]( const PairContacts* contacts ) { return contacts->algorithm && contacts->algorithm == pair.m_algorithm; } );
-	record.isSoft = soft != all.end();
-	if ( record.isSoft )
+	else if ( algorithm )
 	{
-		record.soft = ( *soft )->carried();
-		record.contacts = contactsOf( **soft );
-	}
-	else if ( record.hasAlgorithm )
-	{
-		record.children = childrenOf( *pair.m_algorithm );
+		record.children = childrenOf( *algorithm );
 		btManifoldArray manifolds;
-		pair.m_algorithm->getAllContactManifolds( manifolds );
+		algorithm->getAllContactManifolds( manifolds );
 		for ( int k = 0; k < manifolds.size(); ++k )
 		{
-			record.contacts.push_back( ManifoldRecord::of( *manifolds[k], manifolds[k]->m_index1a, m_step.m_impulses ) );
+			m_manifolds.push_back( manifolds[k] );
 		}
 	}
-	return record;
-}
-
-WorldSnapshot::PairRecord WorldSnapshot::selfContactsOf( const SoftBody& body )
-{
-	const PairContacts& contacts = *body.impl().self->contacts;
-	return PairRecord{ indexOf( &body ), indexOf( &body ), false, true, contacts.carried(), {}, contactsOf( contacts ) };
-}
-
-// The dispatcher's list has manifolds of others too, such as of a character's ghost; only the order of those that are recorded counts.
-void WorldSnapshot::numberManifolds()
-{
-	std::vector<ManifoldRecord*> all;
-	for ( PairRecord& pair : m_pairs )
-	{
-		for ( ManifoldRecord& contact : pair.contacts )
-		{
-			all.push_back( &contact );
-		}
-	}
-	std::sort( all.begin(), all.end(), []( const ManifoldRecord* a, const ManifoldRecord* b ) { return a->rank < b->rank; } );
-	for ( std::size_t k = 0; k < all.size(); ++k )
-	{
-		all[k]->rank = int( k );
-	}
+	record.contacts = int( m_manifolds.size() - before );
+	m_pairs.push_back( std::move( record ) );
 }
 
 void WorldSnapshot::collectPairs()
 {
-	btOverlappingPairCache& cache = *m_step.m_parts.world.getPairCache();
-	for ( int k = 0; k < cache.getNumOverlappingPairs(); ++k )
-	{
-		m_pairs.push_back( recordOf( cache.getOverlappingPairArrayPtr()[k] ) );
-	}
+	m_ours.assign( m_bodies.pairScratch.all.begin(), m_bodies.pairScratch.all.end() );
+	std::sort( m_ours.begin(), m_ours.end(),
+		[]( const PairContacts* a, const PairContacts* b ) { return std::less<>()( a->algorithm, b->algorithm ); } );
+	collectPairsOf( *m_step.m_parts.world.getPairCache(), -1 );
 	for ( const SoftBody* const body : m_bodies.bodies() )
 	{
 		if ( body->impl().self && body->impl().self->contacts )
 		{
-			m_pairs.push_back( selfContactsOf( *body ) );
+			PairRecord record;
+			record.first = record.second = indexOf( body );
+			addPair( std::move( record ), body->impl().self->contacts.get(), nullptr );
 		}
+	}
+	collectGhosts();
+}
+
+void WorldSnapshot::collectPairsOf( btOverlappingPairCache& cache, int ghost )
+{
+	for ( int k = 0; k < cache.getNumOverlappingPairs(); ++k )
+	{
+		const btBroadphasePair& pair = cache.getOverlappingPairArrayPtr()[k];
+		PairRecord record;
+		record.ghost = ghost;
+		record.first = indexOf( static_cast<const btCollisionObject*>( pair.m_pProxy0->m_clientObject ) );
+		record.second = indexOf( static_cast<const btCollisionObject*>( pair.m_pProxy1->m_clientObject ) );
+		record.hasAlgorithm = pair.m_algorithm != nullptr;
+		const auto found = std::lower_bound( m_ours.begin(), m_ours.end(), pair.m_algorithm,
+			[]( const PairContacts* each, const btCollisionAlgorithm* sought ) { return std::less<>()( each->algorithm, sought ); } );
+		const bool isOurs = record.hasAlgorithm && found != m_ours.end() && ( *found )->algorithm == pair.m_algorithm;
+		addPair( std::move( record ), isOurs ? *found : nullptr, pair.m_algorithm );
+	}
+}
+
+// The dispatcher's list has manifolds of others too, such as of another world: where states are compared, only the order of those
+// that are written counts.
+void WorldSnapshot::writeManifolds( Archive& archive, bool areNumbered )
+{
+	std::vector<int> rankAt( areNumbered ? std::size_t( m_step.m_parts.dispatcher->getNumManifolds() ) : 0, 0 );
+	if ( areNumbered )
+	{
+		for ( const btPersistentManifold* const manifold : m_manifolds )
+		{
+			rankAt[std::size_t( manifold->m_index1a )] = 1;
+		}
+		std::exclusive_scan( rankAt.begin(), rankAt.end(), rankAt.begin(), 0 );
+	}
+	constexpr std::size_t kAhead = 6; // manifolds prefetched before they are written
+	for ( std::size_t k = 0; k < m_manifolds.size(); ++k )
+	{
+		const btPersistentManifold& manifold = *m_manifolds[k];
+		prefetchManifold( *m_manifolds[std::min( k + kAhead, m_manifolds.size() - 1 )] );
+		const int rank = areNumbered ? rankAt[std::size_t( manifold.m_index1a )] : manifold.m_index1a;
+		ManifoldRecord::write( archive, manifold, rank, m_step.m_impulses.find( manifold ) );
 	}
 }
 

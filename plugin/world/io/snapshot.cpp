@@ -58,9 +58,9 @@ Result<std::vector<std::byte>> saveTemplate( const BodyTemplate& bodyTemplate )
 {
 	Result<std::vector<std::byte>> result;
 	result.status = guarded( "save a template", [&] {
-		beginSnapshot( result.value );
-		Archive archive( result.value );
+		Archive archive = beginSnapshot( result.value );
 		archive.write( bodyTemplate );
+		archive.finish();
 		endSnapshot( result.value, SnapshotKind::Template );
 		return Status{};
 	} );
@@ -95,8 +95,7 @@ Result<std::vector<std::byte>> saveBody( const SoftBody& body, const SaveSetting
 {
 	Result<std::vector<std::byte>> result;
 	result.status = guarded( "save a body", [&] {
-		beginSnapshot( result.value );
-		Archive archive( result.value );
+		Archive archive = beginSnapshot( result.value );
 		const BodyTemplate& of = body.bodyTemplate();
 		std::uint64_t fingerprint = of.fingerprint();
 		bool isStored = settings.withTemplates;
@@ -115,6 +114,7 @@ Result<std::vector<std::byte>> saveBody( const SoftBody& body, const SaveSetting
 			pin.object = -1;
 		}
 		BodyRecord::write( archive, body, record );
+		archive.finish();
 		endSnapshot( result.value, SnapshotKind::Body );
 		return Status{};
 	} );
@@ -190,9 +190,9 @@ Status saveWorld( const SoftBodyHost& world, std::vector<std::byte>& bytes, cons
 		{
 			return status;
 		}
-		beginSnapshot( bytes );
-		Archive archive( bytes );
+		Archive archive = beginSnapshot( bytes );
 		WorldSnapshot( world.step() ).write( archive, settings );
+		archive.finish();
 		endSnapshot( bytes, SnapshotKind::World );
 		return Status{};
 	} );

@@ -11,7 +11,7 @@ namespace {
 
 constexpr char kMagic[8] = { 'P', 'l', 'i', 'a', 'n', 't', 'S', 'n' };
 /// Increases whenever anything is stored in another way.
-constexpr std::uint32_t kFormat = 1;
+constexpr std::uint32_t kFormat = 2;
 
 struct Header
 {
@@ -78,10 +78,11 @@ const char* problemOf( const Header& header, BytesView bytes, SnapshotKind kind 
 
 } // namespace
 
-void beginSnapshot( std::vector<std::byte>& bytes )
+Archive beginSnapshot( std::vector<std::byte>& bytes )
 {
-	bytes.clear();
-	bytes.resize( sizeof( Header ) );
+	Archive archive( bytes );
+	std::memset( archive.extend( sizeof( Header ) ), 0, sizeof( Header ) );
+	return archive;
 }
 
 void endSnapshot( std::vector<std::byte>& bytes, SnapshotKind kind )

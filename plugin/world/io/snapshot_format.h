@@ -14,9 +14,9 @@ enum class SnapshotKind : std::uint8_t
 	World
 };
 
-/// Starts a snapshot in an empty list; what is written then is its content.
-void beginSnapshot( std::vector<std::byte>& bytes );
-/// Completes it.
+/// Starts a snapshot that replaces what the list holds; what is written then is its content.
+Archive beginSnapshot( std::vector<std::byte>& bytes );
+/// Completes it, once its archive has finished.
 void endSnapshot( std::vector<std::byte>& bytes, SnapshotKind kind );
 
 /// An archive of the content; not sound, with the reason, where the bytes are no whole snapshot of this kind. It is trusted where this

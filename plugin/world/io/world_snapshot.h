@@ -36,14 +36,23 @@ private:
 		btCollisionObject* object = nullptr; ///< that is found to be it; a soft body's is set when it is in place
 		void archive( Archive& archive );
 	};
-	/// A pair of the broadphase, or a body with itself.
+	/// A ghost with what it overlaps, in its order.
+	struct GhostRecord
+	{
+		int ghost = -1;
+		std::vector<int> overlaps; ///< objects
+		void archive( Archive& archive ) { archive( ghost, overlaps ); }
+	};
+	/// A pair of the broadphase, a body with itself, or a pair of a ghost's own (btPairCachingGhostObject), in which a character looks for
+	/// contacts.
 	struct PairRecord
 	{
+		int ghost = -1;              ///< object; -1: the world's pair
 		int first = -1, second = -1; ///< objects
 		bool hasAlgorithm = false, isSoft = false;
 		PairContacts::Carried soft;
 		std::vector<ChildPair> children; ///< of compounds, in the order of their manifolds
-		std::vector<ManifoldRecord> contacts;
+		int contacts = 0;                ///< number of its manifolds, which follow those of the pairs before it
 		void archive( Archive& archive );
 	};
 	struct AttachmentRecord
@@ -86,10 +95,10 @@ private:
 	void collectAttachments();
 	void collectFrames();
 	void collectPairs();
-	void numberManifolds();
-	PairRecord recordOf( const btBroadphasePair& pair );
-	PairRecord selfContactsOf( const SoftBody& body );
-	std::vector<ManifoldRecord> contactsOf( const PairContacts& contacts );
+	void collectPairsOf( btOverlappingPairCache& cache, int ghost );
+	void collectGhosts();
+	void addPair( PairRecord&& record, const PairContacts* soft, btCollisionAlgorithm* algorithm );
+	void writeManifolds( Archive& archive, bool areNumbered );
 	int indexOf( const btCollisionObject* object ) const { return object ? object->getWorldArrayIndex() : -1; }
 
 	// Reading.
@@ -99,6 +108,8 @@ private:
 	void readBodies( Archive& archive );
 	void checkReferences( Archive& archive );
 	void checkFrames( Archive& archive );
+	void checkGhosts( Archive& archive ) const;
+	void readManifolds( Archive& archive );
 	void checkPair( Archive& archive, const PairRecord& pair ) const;
 	bool isSoft( int object ) const { return m_entries[std::size_t( object )].record >= 0; }
 	bool isObject( int object ) const { return object >= 0 && std::size_t( object ) < m_entries.size(); }
@@ -107,16 +118,23 @@ private:
 
 	// Putting in place.
 	void endContacts();
+	void endPairs( btOverlappingPairCache& cache );
 	void removeOthers( RestoredWorld& report );
 	void placeBodies( RestoredWorld& report );
 	void orderObjects();
 	void restoreReferences();
 	void restoreFrames();
+	void restoreGhosts();
 	void restorePairs();
-	void restorePair( const PairRecord& record );
-	void fillManifolds( const PairRecord& record, const btAlignedObjectArray<btPersistentManifold*>& manifolds );
+	void restorePair( const PairRecord& record, const ManifoldRecord* contacts );
+	void restoreSelfContacts( const PairRecord& record, const ManifoldRecord* contacts );
+	void fillManifolds(
+		const PairRecord& record, const ManifoldRecord* contacts, const btAlignedObjectArray<btPersistentManifold*>& manifolds );
 	void orderTouched( SoftBody& body ) const;
 	void restoreValues();
+
+	/// The pairs that a ghost keeps itself; null where it keeps none, or is none.
+	static btOverlappingPairCache* cacheOf( btCollisionObject& object );
 
 	WorldStep& m_step;
 	SoftBodySystem& m_bodies;
@@ -132,7 +150,11 @@ private:
 	Values m_values;
 	SubstepGroup m_group;
 	BroadphaseRecord m_broadphase;
-	std::vector<PairRecord> m_pairs;
+	std::vector<GhostRecord> m_ghosts;
+	std::vector<PairRecord> m_pairs;                      ///< those of ghosts come last
+	std::vector<const PairContacts*> m_ours;              ///< of soft bodies, by their algorithms' addresses
+	std::vector<const btPersistentManifold*> m_manifolds; ///< of the pairs in their order, when it writes
+	std::vector<ManifoldRecord> m_contacts;               ///< the same, when it reads
 	ManifoldOrder m_order;
 	bool m_movesRigid = true;
 };

@@ -92,8 +92,8 @@ void SurfaceShape::update() const
 {
 	const TriangleView before = m_surface.view;
 	const SoftBody::Impl& impl = m_owner.impl();
-	const bool sameLinks = m_isKnown && m_surface.links == impl.fractureVersion;
-	if ( !placeDrawn() )
+	const bool sameLinks = m_isKnown && m_surface.links == impl.fractureVersion, isDrawn = placeDrawn();
+	if ( !isDrawn )
 	{
 		if ( !sameLinks || m_surface.boundary.triangle.empty() )
 		{
@@ -108,7 +108,13 @@ void SurfaceShape::update() const
 		dropCreases( m_surface.view, shown.normalGroup, shown.normalGroups, m_surface.normals );
 	}
 	const bool isSame = sameLinks && before.indices == m_surface.view.indices && before.triangles == m_surface.view.triangles;
-	isSame ? m_surface.tree.refit( m_surface.view ) : m_surface.tree.build( m_surface.view );
+	if ( !isSame )
+	{
+		const std::vector<Vec3>& rest = isDrawn ? impl.binding().restPosition : m_surface.boundary.rest;
+		m_surface.tree.sort(
+			TriangleView{ rest.empty() ? nullptr : rest.front().data(), m_surface.view.indices, m_surface.view.triangles } );
+	}
+	m_surface.tree.refit( m_surface.view );
 	m_surface.links = impl.fractureVersion;
 	m_isKnown = true;
 }

@@ -6,21 +6,38 @@
 
 namespace pliant {
 
-void TriangleTree::build( const TriangleView& surface )
+namespace {
+
+/// Orders triangles along an axis, or else along the next ones: by their numbers only where all agree.
+bool isBefore( const std::vector<Vec3>& centres, int axis, std::uint32_t a, std::uint32_t b )
 {
-	std::vector<Vec3> centres( std::size_t( surface.triangles ) );
-	for ( int t = 0; t < surface.triangles; ++t )
+	for ( int k = axis; k < axis + 3; ++k )
 	{
-		centres[std::size_t( t )] = ( ( surface.corner( t, 0 ) + surface.corner( t, 1 ) + surface.corner( t, 2 ) ) / 3.0 ).cast<float>();
+		const float first = centres[a][k % 3], second = centres[b][k % 3];
+		if ( first != second )
+		{
+			return first < second;
+		}
+	}
+	return a < b;
+}
+
+} // namespace
+
+void TriangleTree::sort( const TriangleView& atRest )
+{
+	std::vector<Vec3> centres( std::size_t( atRest.triangles ) );
+	for ( int t = 0; t < atRest.triangles; ++t )
+	{
+		centres[std::size_t( t )] = ( ( atRest.corner( t, 0 ) + atRest.corner( t, 1 ) + atRest.corner( t, 2 ) ) / 3.0 ).cast<float>();
 	}
 	m_order.resize( centres.size() );
 	std::iota( m_order.begin(), m_order.end(), 0U );
 	m_boxes.clear();
-	if ( surface.triangles > 0 )
+	if ( atRest.triangles > 0 )
 	{
-		split( centres, 0, surface.triangles );
+		split( centres, 0, atRest.triangles );
 	}
-	refit( surface );
 }
 
 void TriangleTree::split( const std::vector<Vec3>& centres, int first, int last ) // NOLINT(misc-no-recursion): as deep as the logarithm
@@ -31,6 +48,8 @@ void TriangleTree::split( const std::vector<Vec3>& centres, int first, int last 
 	{
 		m_boxes[own].first = first;
 		m_boxes[own].count = last - first;
+		std::sort( m_order.begin() + first, m_order.begin() + last,
+			[&centres]( std::uint32_t a, std::uint32_t b ) { return isBefore( centres, 0, a, b ); } );
 	}
 	else
 	{
@@ -45,9 +64,7 @@ void TriangleTree::split( const std::vector<Vec3>& centres, int first, int last 
 		( high - low ).maxCoeff( &axis );
 		const int middle = ( first + last ) / 2;
 		std::nth_element( m_order.begin() + first, m_order.begin() + middle, m_order.begin() + last,
-			[&centres, axis]( std::uint32_t a, std::uint32_t b ) {
-				return centres[a][axis] != centres[b][axis] ? centres[a][axis] < centres[b][axis] : a < b;
-			} );
+			[&centres, axis]( std::uint32_t a, std::uint32_t b ) { return isBefore( centres, axis, a, b ); } );
 		split( centres, first, middle );
 		split( centres, middle, last );
 	}

@@ -1,6 +1,6 @@
 #pragma once
 
-// A tree of boxes over the triangles of a surface whose vertices move: built once a topology, refitted where it is asked.
+// A tree of boxes over the triangles of a surface whose vertices move: sorted once a topology, refitted where it is asked.
 
 #include "lattice/lattice.h"
 
@@ -32,8 +32,9 @@ struct BoxPath
 class TriangleTree
 {
 public:
-	/// Sorts the triangles at their present positions.
-	void build( const TriangleView& surface );
+	/// Sorts the triangles by their places in the surface at rest: which of two that are met at once comes first must not depend on when
+	/// the surface was first asked. Call `refit` then.
+	void sort( const TriangleView& atRest );
 	/// Updates the boxes for moved vertices of the same triangles.
 	void refit( const TriangleView& surface );
 	std::size_t bytes() const { return m_boxes.size() * sizeof( Box ) + m_order.size() * sizeof( std::uint32_t ); }

@@ -396,6 +396,7 @@ void SoftBodySystem::keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& p
 	{
 		own.addEnergyDebtSince( before );
 		body.impl().shape->place( own.nodes(), body.impl().shapeShift );
+		++body.impl().skin.moves;
 	}
 }
 

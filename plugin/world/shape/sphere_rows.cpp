@@ -5,13 +5,14 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 namespace pliant {
 
 namespace {
 
-/// A box that overlaps nothing and adds nothing to a union.
-constexpr float kFarAway = 1e30f;
+/// A box that overlaps nothing, however large a box that is searched may be, and adds nothing to a union.
+constexpr float kFarAway = std::numeric_limits<float>::max();
 constexpr SphereRows::Box kEmpty{ { kFarAway, kFarAway, kFarAway }, { -kFarAway, -kFarAway, -kFarAway } };
 
 std::size_t groupsOfEight( std::size_t count )

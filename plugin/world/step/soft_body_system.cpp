@@ -247,7 +247,10 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 	pressFrames( false );
 	for ( SoftBody* body : m_awake )
 	{
-		body->impl().nodeAxes.clear(); // measured again on request
+		// Matching has turned the cells: what asks during the step must not find what was drawn before it.
+		body->impl().nodeAxes.clear();
+		body->impl().skin.nodesMoved();
+		++body->impl().skin.moves;
 		body->impl().isBroken = !sweepBox( *body, h );
 	}
 	quarantineBroken();

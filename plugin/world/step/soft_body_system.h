@@ -112,6 +112,9 @@ public:
 	void dropPredictiveContacts();
 	void copyIslandTags();
 	bool isEmpty() const { return m_bodies.empty(); }
+	/// Neither a soft body nor a field is in the world, and nothing of them is left to do: Bullet's world steps alone, and the host passes
+	/// its stages by.
+	bool isPlain = false;
 	/// Solves implicit bodies and what they touch before Bullet's solver; noteSolved() then reads that solver's results.
 	void solveImplicit( btDispatcher& dispatcher, const btContactSolverInfo& info );
 	void noteSolved() { implicitSolve().after(); }

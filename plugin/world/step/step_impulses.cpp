@@ -1,7 +1,5 @@
 #include "world/step/step_impulses.h"
 
-#include "archive/archive.h"
-
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
@@ -174,17 +172,6 @@ void StepImpulses::forget( const btTypedConstraint* joint )
 {
 	m_joints.erase(
 		std::remove_if( m_joints.begin(), m_joints.end(), [joint]( const Joint& own ) { return own.joint == joint; } ), m_joints.end() );
-}
-
-void StepImpulses::PointImpulse::archive( Archive& archive )
-{
-	archive( normal, lateral1, lateral2 );
-}
-
-void StepImpulses::Contact::archive( Archive& archive )
-{
-	archive( sum, points, last, shown );
-	archive.require( points >= 0 && points <= kMostPoints, "A contact has too many points." );
 }
 
 } // namespace pliant

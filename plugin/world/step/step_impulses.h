@@ -15,8 +15,6 @@ class btTypedConstraint;
 
 namespace pliant {
 
-class Archive;
-
 class StepImpulses
 {
 public:
@@ -35,7 +33,6 @@ public:
 	struct PointImpulse
 	{
 		btScalar normal, lateral1, lateral2; ///< N s
-		void archive( Archive& archive );
 	};
 	struct Contact
 	{
@@ -45,8 +42,6 @@ public:
 		int points = 0;                      ///< at the end of the step
 		PointImpulse last[kMostPoints] = {}; ///< of each point, in the last substep
 		btScalar shown[kMostPoints] = {};    ///< normal impulses written to the points instead, N s
-		/// Writes or reads everything but whose contact it is.
-		void archive( Archive& archive );
 	};
 	/// A contact's impulses of the last game step; null where there are none.
 	Contact* find( const btPersistentManifold& manifold );

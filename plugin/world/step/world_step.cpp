@@ -63,6 +63,7 @@ void WorldStep::singleStep( btScalar timeStep )
 	{
 		bodies.report = StepReport{};
 		bodies.report.removedPieces = bodies.removedSinceStep;
+		bodies.isPlain = bodies.fields.count() == 0 && bodies.removedSinceStep == 0;
 		m_stages.baseSingleStep( timeStep );
 		return;
 	}

@@ -156,6 +156,30 @@ TEST( SurfaceQueries, DoNotDependOnWhatHasBeenDrawn )
 	EXPECT_EQ( fractions( true, true ), expected );
 }
 
+// Of triangles that a box meets at once the same one comes first, whatever shape the body had when it was first asked.
+TEST( SurfaceQueries, DoNotDependOnWhatWasAskedBefore )
+{
+	std::vector<btVector3> met[2];
+	for ( const bool asksEarly : { false, true } )
+	{
+		TestWorld t;
+		const SoftBody* const body = t.addSoft( made( test::makeBox( { -0.8, -0.2, -0.3 }, { 0.8, 0.2, 0.3 } ) ), at( 0, 0, 0 ) );
+		if ( asksEarly )
+		{
+			test::castRays( t.world, *body, 1, 1 );
+		}
+		bend( t );
+		for ( int k = 0; k < 200; ++k )
+		{
+			const btVector3 from( btScalar( -0.8 ) + btScalar( 0.008 ) * btScalar( k ), 1, 0 ), to = from - btVector3( 0, 2, 0 );
+			btCollisionWorld::ClosestConvexResultCallback sweep( from, to );
+			t.world.convexSweepTest( &kSweptBox, at( from.x(), from.y(), 0 ), at( to.x(), to.y(), 0 ), sweep );
+			met[asksEarly].insert( met[asksEarly].end(), { sweep.m_hitPointWorld, sweep.m_hitNormalWorld } );
+		}
+	}
+	EXPECT_EQ( met[0], met[1] );
+}
+
 TEST( SurfaceQueries, MeetABentBody )
 {
 	TestWorld t;

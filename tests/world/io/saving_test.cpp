@@ -76,6 +76,34 @@ TEST( Saving, LoadedBodyGoesOnLikeTheSavedOne )
 	}
 }
 
+// Bullet's own sweeps of fast bodies ask before the next step places anything.
+TEST( Saving, QueriesMeetARestoredBodyAtOnce )
+{
+	TestWorld world, other;
+	SoftBody* const body = world.addSoft( cube(), at( 0, 3, 0 ), stiff( 3e4f ) );
+	other.addSoft( cube(), at( 0, 3, 0 ), stiff( 3e4f ) );
+	world.run( 5 );
+	const auto heightIn = []( const TestWorld& of ) {
+		const btVector3 from( 0, 9, 0 ), to( 0, -9, 0 );
+		btCollisionWorld::ClosestRayResultCallback ray( from, to );
+		of.world.rayTest( from, to, ray );
+		return ray.m_hitPointWorld.y();
+	};
+	const Bytes saved = savedWorld( world.world );
+	const btScalar then = heightIn( world );
+	EXPECT_NEAR( then, body->massCentre().y() + btScalar( 0.2 ), 0.01 );
+	for ( const bool isForeign : { false, true } )
+	{
+		world.run( 20 );
+		EXPECT_LT( heightIn( world ), then - btScalar( 0.1 ) );
+		ASSERT_TRUE( restoreWorld( world.world, isForeign ? foreign( saved ) : saved ).ok() );
+		EXPECT_EQ( heightIn( world ), then );
+	}
+	EXPECT_GT( heightIn( other ), then );
+	ASSERT_TRUE( restoreWorld( other.world, saved ).ok() );
+	EXPECT_EQ( heightIn( other ), then );
+}
+
 TEST( Saving, BodyWithoutItsTemplateNeedsItListed )
 {
 	TestWorld world;

@@ -7,6 +7,8 @@
 
 #include <pliant/game/skeleton.h>
 
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
+
 #include <memory>
 #include <ostream>
 #include <vector>
@@ -181,6 +183,42 @@ void doorAndPose( TestWorld& world )
 	EXPECT_TRUE( setPoseBlend( *follower, btScalar( 0.7 ) ).ok() );
 }
 
+/// A ghost that moves along x and looks for contacts in its own pairs, as Bullet's character does after each step.
+class Prober : public btActionInterface
+{
+public:
+	explicit Prober( TestWorld& world )
+	{
+		world.world.getPairCache()->setInternalGhostPairCallback( &m_pairs );
+		m_ghost.setCollisionShape( &m_capsule );
+		m_ghost.setCollisionFlags( btCollisionObject::CF_CHARACTER_OBJECT );
+		m_ghost.setWorldTransform( at( -0.7f, 0.35f, 0.02f ) );
+		world.world.addCollisionObject(
+			&m_ghost, btBroadphaseProxy::CharacterFilter, btBroadphaseProxy::StaticFilter | btBroadphaseProxy::DefaultFilter );
+		world.world.addAction( this );
+	}
+	void updateAction( btCollisionWorld* world, btScalar ) override
+	{
+		world->getDispatcher()->dispatchAllCollisionPairs(
+			m_ghost.getOverlappingPairCache(), world->getDispatchInfo(), world->getDispatcher() );
+		m_ghost.setWorldTransform( at( 0.01f, 0, 0 ) * m_ghost.getWorldTransform() );
+	}
+	void debugDraw( btIDebugDraw* ) override {}
+
+private:
+	btGhostPairCallback m_pairs;
+	btCapsuleShape m_capsule = btCapsuleShape( 0.2f, 0.3f );
+	btPairCachingGhostObject m_ghost;
+};
+
+void charactersGhost( TestWorld& world )
+{
+	restingBodies( world );
+	world.addSoft( bar(), at( 0, 0.38f, 0.05f ), soft( Elasticity::Implicit ) );
+	static std::vector<std::unique_ptr<Prober>> probers; // longer than the worlds
+	probers.push_back( std::make_unique<Prober>( world ) );
+}
+
 class SnapshotOf : public testing::TestWithParam<SnapshotScene>
 {};
 
@@ -241,6 +279,7 @@ const SnapshotScene kScenes[] = {
 	{ "Sleeps", restingBodies, 240, 30 },
 	{ "Compounds", compounds, 50, 30, 1 },
 	{ "CompoundsAtRest", compounds, 200, 30, 1 },
+	{ "Ghost", charactersGhost, 30, 60 },
 	{ "DoorAndPose", doorAndPose, 12, 60 },
 	{ "DoorAndPoseLater", doorAndPose, 90, 60 },
 };
