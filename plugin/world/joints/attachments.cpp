@@ -46,6 +46,10 @@ SharedNodes weightsOf( const SoftBody& body, int node, const Vec3d& at )
 			shared.node[shared.count++] = other;
 		}
 	}
+	if ( shared.count == 1 )
+	{
+		return shared; // no neighbour, or all at its position
+	}
 	Eigen::Matrix3d spans = Eigen::Matrix3d::Zero();
 	for ( int j = 1; j < shared.count; ++j )
 	{
