@@ -18,7 +18,7 @@ namespace {
 /// as smooth on a plate, whose large faces outweigh the others. `groups`: of vertices at one place.
 void dropCreases( const TriangleView& view, const std::vector<std::uint32_t>& groups, int count, std::vector<float>& normals )
 {
-	std::vector<Vec3> sum( std::size_t( count ), Vec3( Vec3::Zero() ) ), face( std::size_t( view.triangles ) );
+	std::vector<Vec3> sum( std::size_t( count ), Vec3::Zero() ), face( std::size_t( view.triangles ) );
 	const auto forCorners = [&]( auto&& work ) {
 		for ( int k = 0; k < 3 * view.triangles; ++k )
 		{
