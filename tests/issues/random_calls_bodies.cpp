@@ -240,7 +240,8 @@ void RandomCalls::place()
 	{
 		const btTransform to = someTransform();
 		const btTransform far( btQuaternion::getIdentity(), someVector( 1 ) - body->massCentre() );
-		oneIn( 2 ) ? body->reset( to ) : body->teleport( oneIn( 2 ) ? to : far );
+		const Status placed = oneIn( 2 ) ? body->reset( to ) : body->teleport( oneIn( 2 ) ? to : far );
+		static_cast<void>( placed ); // transforms that are no rotations are refused
 	}
 }
 
