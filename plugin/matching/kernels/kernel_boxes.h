@@ -6,7 +6,9 @@
 
 inline V loadAnywhere( const float* p )
 {
-	return *reinterpret_cast<const VU*>( p );
+	V v; // clang takes a load through a less aligned type for an aligned one where it masks it
+	__builtin_memcpy( &v, p, sizeof v );
+	return v;
 }
 
 inline I loadPositions( const int* p )

@@ -5,7 +5,6 @@
 #pragma once
 
 using V = float __attribute__( ( vector_size( 4 * PLIANT_LANE_WIDTH ), may_alias ) );
-using VU = float __attribute__( ( vector_size( 4 * PLIANT_LANE_WIDTH ), may_alias, aligned( 4 ) ) );
 using I = int __attribute__( ( vector_size( 4 * PLIANT_LANE_WIDTH ), may_alias ) );
 using F4 = float __attribute__( ( vector_size( 16 ), may_alias ) );
 
