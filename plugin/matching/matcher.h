@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace pliant {
@@ -35,7 +37,10 @@ struct MatchStep
 	FarFractions far = {};     ///< alphas of the far levels, where the matcher has them
 	bool isOnePart = true;     ///< false: the body's cells may form several unlinked parts
 	float wobbleLength = 1.0f; ///< m, body length that `wobbleDamping` refers to; shorter parts are damped faster in proportion
-	float mostWobble = 1.0f;   ///< largest wobble damping factor f = 1 - exp(-rate h) of a substep (largestWobbleFraction)
+	float mostWobble = 1.0f;   ///< largest wobble damping factor of a substep (largestWobbleFraction)
+
+	/// Wobble damping factor of the substep, f = 1 - exp(-rate h); `rate`: 1/s.
+	double wobbleFraction( double rate ) const { return std::min( double( mostWobble ), 1.0 - std::exp( -rate * double( h ) ) ); }
 };
 
 class Matcher

@@ -339,7 +339,7 @@ void ClusterMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 	};
 	runTasks( runner, chunks, find );
 
-	const double wobbleFraction = std::min( double( step.mostWobble ), 1.0 - std::exp( -double( step.wobbleDamping ) * step.h ) );
+	const double wobbleFraction = step.wobbleFraction( double( step.wobbleDamping ) );
 	const Motion unwanted = unwantedMotion( wobbleFraction );
 	auto apply = [&]( int chunk ) {
 		for ( int i = chunk * kPiece; i < std::min( nodes.count, ( chunk + 1 ) * kPiece ); ++i )

@@ -323,7 +323,7 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 	v.alpha = step.alpha;
 	v.bodyFraction = step.bodyFraction;
 	v.dampingFraction = dampingFraction( double( step.damping ), double( step.h ), double( step.alpha ), double( m_volumeFraction ) );
-	v.wobbleFraction = std::min( step.mostWobble, float( 1.0 - std::exp( -double( step.wobbleDamping ) * step.h ) ) );
+	v.wobbleFraction = float( step.wobbleFraction( double( step.wobbleDamping ) ) );
 	v.speedPerCell = m_cellSize / step.h;
 	if ( m_isHistoryForeign )
 	{
