@@ -326,8 +326,10 @@ private:
 	StrainSize strainSize() const;
 	/// Whether no node's velocity differs from the rigid motion by what strains the body by `limit`.
 	bool vibratesLess( double limit ) const;
-	/// `isBent`: whether some of it is strained by more than `largestInvisibleStrain`.
-	bool isHardlyStrained( bool& isBent ) const;
+	/// Whether some of it is strained by more than `largestInvisibleStrain`.
+	bool isBent( const StrainSize& strain ) const { return strain.largest > largestInvisibleStrain(); }
+	/// Whether its mean strain is invisible, and none is near to breaking it.
+	bool isHardlyStrained( const StrainSize& strain ) const;
 	/// The strain up to which a body that can break may be rigid; infinity where nothing of it can break but crumbs.
 	double rigidBreakStrain() const;
 	void keepFiniteState();

@@ -144,29 +144,30 @@ Body::StrainSize Body::strainSize() const
 	return size;
 }
 
-// What is calm under a load that strains a part of it visibly, such as a shard in a heap, may be rigid for as long as the load stays.
-bool Body::isHardlyStrained( bool& isBent ) const
+bool Body::isHardlyStrained( const StrainSize& strain ) const
 {
-	const double limit = largestInvisibleStrain();
-	const StrainSize strain = strainSize();
-	isBent = strain.largest > limit;
-	return vibratesLess( isBent ? kCalmFraction * limit : limit ) && strain.mean <= limit && strain.ofBreakable <= rigidBreakStrain();
+	return strain.mean <= largestInvisibleStrain() && strain.ofBreakable <= rigidBreakStrain();
 }
 
+// What is calm under a load that strains a part of it visibly, such as a shard in a heap, may be rigid for as long as the load stays.
 bool Body::canBecomeRigid( bool isAtRest ) const
 {
-	bool isBent;
-	return !m_rigid && m_material.rigidStrain > 0.0f && m_isOnePart && !hasBrokenLinks() && !hasFlowed() && !hasHeldNodes( m_nodes ) &&
-		isHardlyStrained( isBent ) && ( isAtRest || !isBent );
+	const double limit = largestInvisibleStrain();
+	if ( m_rigid || m_material.rigidStrain == 0.0f || !m_isOnePart || hasBrokenLinks() || hasFlowed() || hasHeldNodes( m_nodes ) ||
+		!vibratesLess( limit ) )
+	{
+		return false;
+	}
+	const StrainSize strain = strainSize();
+	return isHardlyStrained( strain ) && ( !isBent( strain ) || ( isAtRest && vibratesLess( kCalmFraction * limit ) ) );
 }
 
 void Body::becomeRigid()
 {
-	bool isBent;
-	static_cast<void>( isHardlyStrained( isBent ) );
+	const bool wasBent = isBent( strainSize() );
 	m_rigid = std::make_unique<RigidState>();
 	RigidState& state = *m_rigid;
-	state.isBent = isBent;
+	state.isBent = wasBent;
 	const BodySums whole = sums();
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( inertiaAbout( whole.centre ) );
 	Eigen::Matrix3d frame = axes.eigenvectors();
