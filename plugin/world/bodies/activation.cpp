@@ -130,6 +130,7 @@ void SoftBodySystem::wakeUnsupported()
 	for ( SoftBody* body : m_bodies )
 	{
 		const SoftBody::Impl& impl = body->impl();
+		// Contacts of a rigid proxy are Bullet's, and `touched` lists nodes.
 		if ( body->getActivationState() == WANTS_DEACTIVATION && impl.wasTouched && impl.touched.empty() && !impl.rigidProxy )
 		{
 			body->activate();

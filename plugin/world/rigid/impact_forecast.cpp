@@ -147,6 +147,7 @@ class ForecastMotions
 public:
 	explicit ForecastMotions( const btCollisionObjectArray& objects )
 	{
+		m_motions.reserve( std::size_t( objects.size() ) );
 		for ( int i = 0; i < objects.size(); ++i )
 		{
 			m_motions.push_back( motionOf( *objects[i] ) );

@@ -105,6 +105,7 @@ bool canBrakeSpin( const btPersistentManifold& manifold )
 	return manifold.getNumContacts() > 0 && isKnown( manifold.getBody0() ) && isKnown( manifold.getBody1() );
 }
 
+/// Visits the contact points of bodies in their rigid state.
 template <class Visit>
 void forRigidContacts( btDispatcher& dispatcher, Visit&& visit )
 {

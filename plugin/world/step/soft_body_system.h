@@ -28,9 +28,9 @@ class btCollisionDispatcher;
 
 namespace pliant {
 
+class ForecastMotions;
 class WorldSnapshot;
 
-class ForecastMotions;
 class SoftBodySystem
 {
 public:
@@ -69,7 +69,6 @@ public:
 	/// Around Bullet's solver: manifolds refer to the rigid proxies of bodies in their rigid state.
 	void showRigidProxies( btDispatcher& dispatcher );
 	void hideRigidProxies( btDispatcher& dispatcher );
-	void brakeRigidProxies( btDispatcher& dispatcher );
 
 	/// Chooses the objects that take soft substeps in a game step of this length. Returns the number of substeps: the user's, or more if
 	/// the stiffest awake material needs them; 1 if no body takes substeps. `canSplit`: if false, either all objects take substeps or none.
@@ -218,6 +217,8 @@ private:
 	void settlePins( SoftBody& body, btScalar h, int substep );
 	bool canBeRigid( const SoftBody& body ) const;
 	double loadOn( const SoftBody& body ) const; ///< sum of the contact forces on a deformable body, N
+	/// Brakes bodies in their rigid state that touch something: their spin about the normal, and too fast a rotation.
+	void brakeRigidProxies( btDispatcher& dispatcher );
 	void forecastImpacts( btScalar h );
 	bool mayTouch( SoftBody& body, btCollisionObject& other );
 	void forecastImpact( SoftBody& body, btCollisionObject& other, const ForecastMotions& motions, btScalar h );

@@ -228,11 +228,6 @@ void WorldStep::findPredictiveContacts( btScalar h )
 
 void WorldStep::detect()
 {
-	if ( bodies.isEmpty() )
-	{
-		m_stages.baseDetect();
-		return;
-	}
 	if ( !m_isStepping )
 	{
 		detectWhole();
@@ -266,11 +261,6 @@ void WorldStep::detectWhole()
 
 void WorldStep::findIslands()
 {
-	if ( bodies.isEmpty() )
-	{
-		m_stages.baseFindIslands();
-		return;
-	}
 	bodies.wakeUnsupported();
 	if ( bodies.group.isSplit() )
 	{
@@ -280,7 +270,10 @@ void WorldStep::findIslands()
 	{
 		m_stages.baseFindIslands();
 	}
-	carryImpulses( m_passLength );
+	if ( !bodies.isEmpty() )
+	{
+		carryImpulses( m_passLength );
+	}
 }
 
 void WorldStep::solve( btContactSolverInfo& info )
