@@ -186,7 +186,7 @@ int studyStability( const StabilityPlan& plan )
 	}
 	std::printf( "\n%s/stability.html, stability.csv\n", plan.folder.c_str() );
 	const bool isRed = std::any_of( matrix.begin(), matrix.end(),
-		[]( const auto& cell ) { return cell.first.second == "default" && cell.second.colour == Colour::Red; } );
+		[]( const auto& cell ) { return cell.first.second == "explicit" && cell.second.colour == Colour::Red; } );
 	return isRed ? 3 : 0;
 }
 

@@ -91,7 +91,7 @@ std::vector<StabilityMethod> stabilityMethods( bool withBullet )
 		all.push_back( methodOf( name, adaptivity, weights ) );
 		return all.back();
 	};
-	add( "default" ); // uniform, w 1: the first column is the one that counts
+	add( "explicit" ); // uniform, w 1: the first column is the one that counts
 	add( "w 2" ).candidate.material.regionHalfWidth = 2;
 	add( "w 3" ).candidate.material.regionHalfWidth = 3;
 	add( "far levels" ).candidate.material.farLevels = 1;

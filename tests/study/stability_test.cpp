@@ -30,7 +30,7 @@ class GreenByDefault : public testing::TestWithParam<const char*>
 
 TEST_P( GreenByDefault, Stands )
 {
-	const Verdict verdict = verdictOf( GetParam(), "default", 240 );
+	const Verdict verdict = verdictOf( GetParam(), "explicit", 240 );
 	EXPECT_EQ( verdict.colour, Colour::Green ) << verdict.reason;
 }
 
@@ -41,7 +41,7 @@ INSTANTIATE_TEST_SUITE_P( Cases, GreenByDefault,
 
 TEST( Verdicts, SayThatStiffnessIsOutOfReach )
 {
-	const Verdict verdict = verdictOf( "E 1e+09 Pa", "default", 60 );
+	const Verdict verdict = verdictOf( "E 1e+09 Pa", "explicit", 60 );
 	EXPECT_EQ( verdict.colour, Colour::Yellow );
 	EXPECT_EQ( verdict.reason, "stiffness out of reach" );
 }
