@@ -120,6 +120,11 @@ inline constexpr double kLeastBounce = 0.5;
 /// Resolution of the bisection for the fraction of a bounce that adds no energy.
 inline constexpr double kLeastBounceStep = 1e-4;
 
+/// Impulses of a bounce are raised at most by this fraction for the body behind the nodes that touch, and by what gives back this share of
+/// the energy that the contacts take.
+inline constexpr double kMostBounceRaise = 0.25;
+inline constexpr double kBounceShare = 0.5;
+
 /// Energy added by an implicit block's contacts, relative to all they transfer, that counts as rounding error; ends that iteration too.
 inline constexpr double kBounceSlack = 1e-4;
 /// A step resolves a body's own vibrations while sound travels at most this fraction of the body's size in it: an impact on a heavy object

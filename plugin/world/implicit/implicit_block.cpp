@@ -257,6 +257,7 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 	chooseStiffness();
 	solveLaw( count );
 	limitEnergy( count );
+	completeBounce();
 	carryImpulses();
 	readSolution();
 	restoreMomentum();

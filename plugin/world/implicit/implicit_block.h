@@ -98,6 +98,8 @@ struct RigidPart
 	Vec3d centre = Vec3d::Zero();               ///< centre of mass, world, m
 	int coarse = -1;                            ///< body index in the coarse system
 	int linked = -1, link = 0;                  ///< of a link: index in ImplicitBlock::linked, and its number there
+
+	bool hasLockedAxis() const { return !( moves[0] && moves[1] && moves[2] && turns[0] && turns[1] && turns[2] ); }
 };
 
 /// Links of a multibody that take part in a block. An impulse on one moves all of them.
@@ -324,6 +326,11 @@ private:
 	Work workOfContacts() const;
 	void limitEnergy( BlockCount& count );
 	void reduceBounce( BlockCount& count );
+	/// Whether all impulses are bounces of bodies that move freely and whose vibrations the step does not resolve.
+	bool mayCompleteBounce() const;
+	/// Adds to `velocity` the rigid motions of soft parts and rigid bodies with the momentum `momentum`.
+	void addRigidMotions( const float* momentum, float* velocity ) const;
+	void completeBounce();
 
 	// In implicit_momentum.cpp.
 	void restoreMomentum();
@@ -344,8 +351,8 @@ private:
 	TaskRunner* m_runner = nullptr;
 	ConjugateGradients m_gradients;
 	AlignedArray<float> m_v, m_next, m_rightSide, m_scratch;
-	AlignedArray<float> m_free, m_freeNext;        ///< b - A v at m_v and at m_next, without contacts
-	AlignedArray<float> m_bounced;                 ///< velocities with full restitution; scratch of reduceBounce
+	AlignedArray<float> m_free, m_freeNext; ///< b - A v at m_v and at m_next, without contacts
+	AlignedArray<float> m_bounced;          ///< velocities with full restitution, of rigid motions; scratch of implicit_restitution.cpp
 	std::vector<ContactImpulse> m_bouncedImpulses; ///< by contact, with full restitution; scratch of reduceBounce
 	AlignedArray<float> m_massProduct;             ///< the last product without contacts
 	AlignedArray<float> m_inverseDiagonal;         ///< 1 / A_ii of the soft parts' nodes, at the index of their first component

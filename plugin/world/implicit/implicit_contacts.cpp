@@ -215,12 +215,18 @@ double restitutionOf( const BlockContact& contact, const ImplicitBlock& block )
 	return restitution;
 }
 
-/// Velocity after a bounce that begins above the surface, m/s: that with which a body rises again that leaves the surface at e times its
-/// velocity there, v^2 = e^2 ( u^2 + 2 a d ) - 2 a d with the gap d and the acceleration a towards the surface.
-double bounceVelocity( double restitution, double impact, double gap, double acceleration )
+/// Velocity after a step of h in which a body bounces that begins it at a gap d above the surface with the velocity u, m/s: that with which
+/// it rises again if it leaves the surface at e times its velocity there,
+///
+///   ( v + a h / 2 )^2 = e^2 ( ( u + a h / 2 )^2 + 2 a d ) - 2 a d
+///
+/// a is the acceleration towards the surface. Positions follow the velocities at the end of each step, so that a falling body is half a
+/// step's acceleration faster than its velocity at the start of the step, and a rising one that much slower.
+double bounceVelocity( double restitution, double impact, double gap, double acceleration, double h )
 {
-	const double gained = 2.0 * acceleration * std::max( gap, 0.0 );
-	return std::sqrt( std::max( 0.0, restitution * restitution * ( impact * impact + gained ) - gained ) );
+	const double half = 0.5 * acceleration * h, gained = 2.0 * acceleration * std::max( gap, 0.0 );
+	const double squared = restitution * restitution * ( ( impact + half ) * ( impact + half ) + gained ) - gained;
+	return std::sqrt( std::max( 0.0, squared ) ) - half;
 }
 
 /// Sets b, the target separation speed: before touch it closes the gap within the step, in penetration it pushes out, and with restitution
@@ -238,7 +244,7 @@ void setTarget( BlockContact& contact, const btContactSolverInfo& info, double a
 	contact.bounces = gap < approach * h && restitution > 0.0 && impact > double( info.m_restitutionVelocityThreshold );
 	if ( contact.bounces )
 	{
-		contact.target = std::max( contact.targetWithoutBounce, bounceVelocity( restitution, impact, gap, ( approach - impact ) / h ) );
+		contact.target = std::max( contact.targetWithoutBounce, bounceVelocity( restitution, impact, gap, ( approach - impact ) / h, h ) );
 	}
 }
 

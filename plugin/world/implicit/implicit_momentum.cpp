@@ -85,8 +85,7 @@ void ImplicitBlock::restoreMomentum()
 	}
 	for ( std::size_t p = 0; p < rigid.size(); ++p )
 	{
-		const RigidPart& part = rigid[p];
-		if ( !( part.moves[0] && part.moves[1] && part.moves[2] && part.turns[0] && part.turns[1] && part.turns[2] ) )
+		if ( rigid[p].hasLockedAxis() )
 		{
 			groups.join( std::uint32_t( 1 + parts + p ), 0 );
 		}

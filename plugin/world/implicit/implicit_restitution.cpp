@@ -109,4 +109,102 @@ void ImplicitBlock::reduceBounce( BlockCount& count )
 	}
 }
 
+bool ImplicitBlock::mayCompleteBounce() const
+{
+	return std::all_of( contacts.begin(), contacts.end(),
+			   []( const BlockContact& contact ) { return contact.bounces || contact.normalImpulse == 0.0; } ) &&
+		std::any_of( contacts.begin(), contacts.end(), []( const BlockContact& contact ) { return contact.normalImpulse > 0.0; } ) &&
+		std::all_of( soft.begin(), soft.end(),
+			[]( const SoftPart& part ) {
+				return part.restitutionFraction == 1.0 && part.motion->isElastic() && !part.motion->hasHeldNodes();
+			} ) &&
+		std::all_of( rigid.begin(), rigid.end(), []( const RigidPart& part ) { return part.linked < 0 && !part.hasLockedAxis(); } );
+}
+
+void ImplicitBlock::addRigidMotions( const float* momentum, float* velocity ) const
+{
+	for ( const ConnectedPart& own : m_connected )
+	{
+		const SoftPart& part = soft[std::size_t( own.soft )];
+		const Vector12 sums = part.motion->affineSums( momentum + part.offset, own.part ); // f, then the columns of f p^T
+		Vector6 rigidSums;
+		rigidSums << sums.head<3>(), sums[8] - sums[10], sums[9] - sums[5], sums[4] - sums[6];
+		const Vector6 motion = part.motion->rigidMass( own.part ).inverse() * rigidSums;
+		const Vec3d turn = motion.tail<3>();
+		Vector12 affine;
+		affine << motion.head<3>(), turn.cross( Vec3d::UnitX() ), turn.cross( Vec3d::UnitY() ), turn.cross( Vec3d::UnitZ() );
+		part.motion->addAffine( affine, velocity + part.offset, own.part );
+	}
+	for ( const RigidPart& part : rigid )
+	{
+		const Eigen::Map<const Eigen::Matrix<float, 6, 1>> own( momentum + part.offset );
+		Eigen::Map<Eigen::Matrix<float, 6, 1>> to( velocity + part.offset );
+		to.head<3>() += own.head<3>() / float( part.mass );
+		to.tail<3>() += ( part.inertia.inverse() * own.tail<3>().cast<double>() ).cast<float>();
+	}
+}
+
+// The nodes of a contact reach the velocity that restitution demands, but the body behind them is still being compressed, and a step that
+// does not resolve its vibrations damps what it would rebound by afterwards. So where all contacts bounce, their normal impulses P are
+// raised by a fraction s, with which the rigid motions reach the targets b in the mean,
+//
+//   sum jn ( n . ( u + s r ) - b ) = 0,   u: velocities of the rigid motions, r: those that P adds to them
+//
+// as far as that gives back at most half of what the contacts take, W = sum P . ( u' + before ) / 2 with the velocities u' of their nodes.
+void ImplicitBlock::completeBounce()
+{
+	if ( !mayCompleteBounce() )
+	{
+		return;
+	}
+	std::fill( m_rightSide.begin(), m_rightSide.end(), 0.0f );
+	for ( const SoftPart& part : soft )
+	{
+		const NodeState& nodes = part.motion->nodes();
+		for ( int k = 0; k < part.motion->size(); k += nodes.padded )
+		{
+			for ( int i = 0; i < nodes.count; ++i )
+			{
+				m_rightSide[part.offset + k + i] = nodes.mass[i] * m_v[part.offset + k + i];
+			}
+		}
+	}
+	m_bounced = m_v;
+	std::fill( m_bounced.begin(), m_bounced.end(), 0.0f );
+	addRigidMotions( m_rightSide.data(), m_bounced.data() );
+	for ( const RigidPart& part : rigid )
+	{
+		std::copy_n( m_v.data() + part.offset, 6, m_bounced.data() + part.offset );
+	}
+	std::fill( m_rightSide.begin(), m_rightSide.end(), 0.0f );
+	for ( const BlockContact& contact : contacts )
+	{
+		addPair( contact, contact.normalImpulse * contact.normal, m_rightSide.data() );
+	}
+	std::fill( m_next.begin(), m_next.end(), 0.0f );
+	addRigidMotions( m_rightSide.data(), m_next.data() );
+
+	double lack = 0.0, response = 0.0, work = 0.0;
+	for ( const BlockContact& contact : contacts )
+	{
+		const Vec3d push = contact.normalImpulse * contact.normal;
+		lack += contact.normalImpulse * contact.target - push.dot( relativeVelocity( contact, m_bounced.data() ) );
+		response += push.dot( relativeVelocity( contact, m_next.data() ) );
+		work += push.dot( relativeVelocity( contact, m_v.data() ) + contact.velocityBefore );
+	}
+	const double fraction = std::min( { lack / response, -kBounceShare * work / response, kMostBounceRaise } );
+	if ( !( fraction > 0.0 ) )
+	{
+		return;
+	}
+	for ( int k = 0; k < m_size; ++k )
+	{
+		m_v[k] += float( fraction ) * m_next[k];
+	}
+	for ( BlockContact& contact : contacts )
+	{
+		contact.normalImpulse *= 1.0 + fraction;
+	}
+}
+
 } // namespace pliant

@@ -234,18 +234,19 @@ TEST( Rebound, OfASoftBallIsThatOfItsElasticityInBothSteps )
 	}
 }
 
-// The step does not resolve the impact of a stiff ball: restitution alone makes it rebound.
+// The step does not resolve the impact of a stiff ball: restitution alone makes it rebound. The nodes at the contact rebounded as they
+// should, the ball behind them by a tenth less, and more or less according to where the step found it above the floor.
 TEST( Rebound, OfAStiffBallIsThatOfItsRestitution )
 {
 	Material material;
 	material.youngsModulus = 1e8f;
-	for ( const double height : { 0.5, 1.0, 2.0 } )
+	for ( const double height : { 0.5, 0.7, 1.0, 1.3, 2.0 } )
 	{
 		for ( const double restitution : kRestitutions )
 		{
 			const double ratio = rebound( material, restitution, height );
 			std::printf( "E 1e8 Pa, %.1f m, restitution %.1f: %.3f\n", height, restitution, ratio );
-			EXPECT_NEAR( ratio, restitution * restitution, 0.12 * restitution * restitution + 0.005 );
+			EXPECT_NEAR( ratio, restitution * restitution, 0.1 * restitution * restitution + 1e-3 );
 		}
 	}
 }
