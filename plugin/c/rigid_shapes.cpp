@@ -36,7 +36,7 @@ pliant_result checkRigid( const pliant_rigid_settings& settings )
 	{
 		return refuseSettings( "pliant_rigid_settings::kind must be one of PLIANT_RIGID_..." );
 	}
-	if ( settings.kind == PLIANT_RIGID_DYNAMIC && !( settings.mass > 0 && settings.mass <= kMostMass && btScalar( settings.mass ) > 0 ) )
+	if ( settings.kind == PLIANT_RIGID_DYNAMIC && !( settings.mass > 0 && settings.mass <= kMostMass && float( settings.mass ) > 0 ) )
 	{
 		return refuseSettings( "pliant_rigid_settings::mass must be above 0 and at most 1e12 kg." );
 	}
@@ -133,7 +133,7 @@ pliant_result add( pliant_world& world, std::unique_ptr<RigidBody> made, const p
 
 bool isLength( double length )
 {
-	return length > 0 && length <= kMostLength && btScalar( length ) > 0;
+	return length > 0 && length <= kMostLength && float( length ) > 0;
 }
 
 pliant_result refuseLength()

@@ -205,7 +205,8 @@ TEST_P( Grounds, TheBorderOfAHeightfieldActsLikeThatOfABox )
 	}
 }
 
-// A heightfield that rises under a body by half a cell per frame: nodes below the field must be pushed up, not down.
+// A heightfield that rises under a body by half a cell per frame: nodes below the field must be pushed up, not down. There is no rigid
+// twin: Bullet's box of this size is lifted in single precision, and sinks in in double precision.
 TEST_P( Grounds, ARisingHeightfieldLiftsBodies )
 {
 	static constexpr int kPosts = 21, kRise = 10; // frames
@@ -227,15 +228,6 @@ TEST_P( Grounds, ARisingHeightfieldLiftsBodies )
 		}
 		return centre( t ) - btScalar( heights[0] );
 	};
-	btRigidBody* box = nullptr;
-	const btScalar twin = risen( [&box]( TestWorld& t ) {
-		box = box ? box
-				  : t.addBox( 1000, btVector3( btScalar( 0.5 ), btScalar( 0.5 ), btScalar( 0.5 ) ),
-						at( btScalar( 0.1 ), btScalar( 0.5 ), btScalar( 0.2 ) ) );
-		box->setActivationState( DISABLE_DEACTIVATION );
-		return box->getWorldTransform().getOrigin().y();
-	} );
-	EXPECT_NEAR( twin, 0.5, 0.01 );
 	for ( const float youngsModulus : { 5e4f, 3e5f } )
 	{
 		SoftBody* cube = nullptr;
@@ -246,7 +238,7 @@ TEST_P( Grounds, ARisingHeightfieldLiftsBodies )
 			cube->setActivationState( DISABLE_DEACTIVATION );
 			return cube->massCentre().y();
 		} );
-		EXPECT_NEAR( found, twin, youngsModulus < 1e5f ? 0.1 : 0.05 ) << youngsModulus; // compressed by its own weight
+		EXPECT_NEAR( found, 0.5, youngsModulus < 1e5f ? 0.1 : 0.05 ) << youngsModulus; // compressed by its own weight
 	}
 }
 
