@@ -17,10 +17,10 @@ fi
 
 "$here/install_packages.sh" g++ cmake ninja-build dpkg-dev
 if [ -z "$( find "$folder" -mindepth 1 -maxdepth 1 -name 'bullet-*' -type d )" ]; then
-	# Lists of source packages in a folder of our own: the system's stay as they are.
+	# The source packages of where the system's packages come from, with lists in a folder of our own: the system's stay as they are.
 	release=$( . /etc/os-release && echo "$VERSION_CODENAME" )
 	mkdir -p "$folder/lists/partial"
-	echo "deb-src http://deb.debian.org/debian $release main" > "$folder/sources.list"
+	apt-get indextargets --format 'deb-src $(REPO_URI) $(CODENAME) $(COMPONENT)' 'Created-By: Packages' "Codename: $release" | sort -u > "$folder/sources.list"
 	apt=( apt-get -q -o Acquire::Retries=2 -o "Dir::Etc::SourceList=$folder/sources.list" -o Dir::Etc::SourceParts=- -o "Dir::State::Lists=$folder/lists" )
 	( cd "$folder" && "${apt[@]}" update && "${apt[@]}" source bullet ) > "$folder/fetch.log" 2>&1 || { cat "$folder/fetch.log" >&2; exit 1; }
 fi
@@ -35,7 +35,7 @@ if command -v ccache > /dev/null 2>&1; then
 fi
 {
 	cmake -S "$source" -B "$folder/build" -G Ninja "${options[@]}" -DUSE_GRAPHICAL_BENCHMARK=OFF "$@" &&
-	cmake --build "$folder/build" --parallel "$( nproc )" --target BulletSoftBody BulletDynamics BulletCollision LinearMath &&
+	cmake --build "$folder/build" --parallel "$( nproc )" --target BulletSoftBody BulletDynamics BulletCollision BulletInverseDynamics LinearMath &&
 	cmake --install "$folder/build"
 } > "$folder/build.log" 2>&1 || { tail -n 40 "$folder/build.log" >&2; exit 1; }
 echo "$*" > "$folder/built"
