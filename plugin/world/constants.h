@@ -265,6 +265,9 @@ inline constexpr btScalar kLastingContact = btScalar( 0.5 ), kLongestLasting = b
 inline constexpr btScalar kContactArea = btScalar( 0.5 );
 /// A body that touches something turns by at most this angle in a step, rad: an eighth of a turn, as Bullet's rigid bodies.
 inline constexpr btScalar kFarthestTurn = btScalar( 0.785 );
+/// A body that has just become rigid is turned so far to find its contacts that its farthest corner moves by this fraction of the distance
+/// at which contacts end.
+inline constexpr btScalar kFirstContactTurn = btScalar( 0.5 );
 /// Game steps: until a new body is tested for its rigid state, between two tests, and for which a body deforms at least.
 inline constexpr int kRigidStart = 2, kRigidRetry = 3, kRigidPause = 6;
 /// Time for which a body has to be slow, as after a fall over its largest node at most, before it may be rigid while it is bent, s.

@@ -189,8 +189,9 @@ struct SoftBody::Impl
 
 	std::unique_ptr<RigidProxy> rigidProxy; ///< null while the body deforms
 	RigidLoad rigidLoad;
-	bool mustDeform = false;     ///< from the next step on; ignored without a rigid proxy
-	int rigidWait = kRigidStart; ///< game steps until it is tested for its rigid state
+	bool mustDeform = false; ///< from the next step on; ignored without a rigid proxy
+	int rigidWait =
+		kRigidStart; ///< game steps until it is tested for its rigid state; in that state above 0 until its first contacts are found
 
 	std::vector<Vec3d> heldBefore; ///< node positions of a static or kinematic body at the last game step, world, m
 

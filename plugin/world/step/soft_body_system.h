@@ -105,8 +105,9 @@ public:
 
 	// One pass, in the order of world_step.cpp.
 	void accelerate( btScalar h, int substep ); ///< forces, velocities of pins, shape matching, swept boxes
-	void collideWithThemselves( btScalar h );   ///< after the broadphase's pairs
-	void endCollision( btScalar h );            ///< when all contacts are found
+	void completeFirstContacts();               ///< of bodies that have just become rigid; after the broadphase's pairs
+	void collideWithThemselves( btScalar h );
+	void endCollision( btScalar h ); ///< when all contacts are found
 	void holdPredictiveContacts( btAlignedObjectArray<btPersistentManifold*>& manifolds );
 	void dropPredictiveContacts();
 	void copyIslandTags();

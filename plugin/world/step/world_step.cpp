@@ -245,6 +245,7 @@ void WorldStep::detect()
 		detectWhole();
 	}
 	const btScalar h = m_parts.world.getDispatchInfo().m_timeStep;
+	bodies.completeFirstContacts();
 	bodies.collideWithThemselves( h );
 	bodies.endCollision( h );
 	bodies.releaseRefusedPairs(); // before manifolds are listed

@@ -44,7 +44,13 @@ TEST( RigidHeaps, ABodyRestsBentAndIsStraightWithoutItsLoad )
 	test.run( 120 );
 	material.rigidStrain = 0.01f;
 	ASSERT_TRUE( slab->setMaterial( material ).ok() );
-	test.run( 160 );
+	btScalar fastest = 0;
+	for ( int frame = 0; frame < 160; ++frame )
+	{
+		test.run( 1 );
+		fastest = std::max( { fastest, slab->linearVelocity().length(), weight->getLinearVelocity().length() } );
+	}
+	EXPECT_LT( fastest, 0.06f ) << "on the one contact that Bullet finds in the first step the weight fell at 0.14 m/s";
 	ASSERT_TRUE( slab->isRigid() );
 	EXPECT_TRUE( slab->impl().body->rigidState()->isBent );
 	EXPECT_LT( slab->nodePosition( slab->nearestNode( btVector3( 0.05f, 0.3f, 0.05f ) ) ).y(), 0.25f - 0.001f );

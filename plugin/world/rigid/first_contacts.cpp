@@ -1,0 +1,100 @@
+// The contacts of a body that has just become rigid. It rests on all nodes that touched until then. Bullet finds one contact of two hulls
+// in a step, over which it would tip until the others are found. So its pairs are detected again with the body turned by small angles about
+// axes across the normal, which adds the corners that nearly touch (btConvexConvexAlgorithm has this too, for whole worlds).
+
+#include "world/bodies/soft_body_impl.h"
+#include "world/step/soft_body_system.h"
+
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+#include <LinearMath/btTransformUtil.h>
+
+namespace pliant {
+
+namespace {
+
+constexpr int kMostContacts = 4; // of a manifold
+
+btCollisionObject& objectOf( const btBroadphaseProxy* proxy )
+{
+	return *static_cast<btCollisionObject*>( proxy->m_clientObject );
+}
+
+/// Whether the object is a soft body whose nodes touch one by one.
+bool isDeformable( btCollisionObject& object )
+{
+	const SoftBody* const soft = asSoftBody( &object );
+	return soft && !soft->impl().rigidProxy;
+}
+
+void detectAgain( const btBroadphasePair& pair, const btDispatcherInfo& info )
+{
+	btCollisionObject &first = objectOf( pair.m_pProxy0 ), &second = objectOf( pair.m_pProxy1 );
+	const btCollisionObjectWrapper one( nullptr, first.getCollisionShape(), &first, first.getWorldTransform(), -1, -1 );
+	const btCollisionObjectWrapper other( nullptr, second.getCollisionShape(), &second, second.getWorldTransform(), -1, -1 );
+	btManifoldResult result( &one, &other );
+	pair.m_algorithm->processCollision( &one, &other, info, &result );
+}
+
+/// Adds the contacts of a pair that are found when `turned`, one of the two, is turned.
+void completeContacts( const btBroadphasePair& pair, btCollisionObject& turned, const btDispatcherInfo& info )
+{
+	btManifoldArray manifolds;
+	pair.m_algorithm->getAllContactManifolds( manifolds );
+	const btTransform unturned = turned.getWorldTransform();
+	for ( int m = 0; m < manifolds.size(); ++m )
+	{
+		const btPersistentManifold& manifold = *manifolds[m];
+		if ( manifold.getNumContacts() == 0 || manifold.getNumContacts() == kMostContacts )
+		{
+			continue;
+		}
+		btVector3 across, along;
+		btPlaneSpace1( manifold.getContactPoint( 0 ).m_normalWorldOnB, across, along );
+		const btScalar angle = kFirstContactTurn * manifold.getContactBreakingThreshold() /
+			turned.getCollisionShape()->getAngularMotionDisc();
+		for ( const btVector3& axis : { across, along, -across, -along } )
+		{
+			turned.setWorldTransform( btTransform( btQuaternion( axis, angle ) * unturned.getRotation(), unturned.getOrigin() ) );
+			detectAgain( pair, info );
+		}
+	}
+	turned.setWorldTransform( unturned );
+	for ( int m = 0; m < manifolds.size(); ++m )
+	{
+		manifolds[m]->refreshContactPoints( manifolds[m]->getBody0()->getWorldTransform(), manifolds[m]->getBody1()->getWorldTransform() );
+	}
+}
+
+} // namespace
+
+void SoftBodySystem::completeFirstContacts()
+{
+	const auto isNew = [this]( btCollisionObject& object ) {
+		const SoftBody* const soft = asSoftBody( &object );
+		return soft && soft->impl().rigidProxy && soft->impl().rigidWait > 0 && isInPass( object );
+	};
+	if ( std::none_of( m_bodies.begin(), m_bodies.end(), [&isNew]( SoftBody* body ) { return isNew( *body ); } ) )
+	{
+		return;
+	}
+	const btDispatcherInfo& info = m_world.getDispatchInfo();
+	btBroadphasePairArray& pairs = m_world.getPairCache()->getOverlappingPairArray();
+	for ( int p = 0; p < pairs.size(); ++p )
+	{
+		btCollisionObject &first = objectOf( pairs[p].m_pProxy0 ), &second = objectOf( pairs[p].m_pProxy1 );
+		btCollisionObject* const turned = isNew( first ) ? &first : isNew( second ) ? &second : nullptr;
+		if ( turned && pairs[p].m_algorithm && !isDeformable( turned == &first ? second : first ) )
+		{
+			completeContacts( pairs[p], *turned, info );
+		}
+	}
+	for ( SoftBody* body : m_bodies )
+	{
+		body->impl().rigidWait = isNew( *body ) ? 0 : body->impl().rigidWait;
+	}
+}
+
+} // namespace pliant
