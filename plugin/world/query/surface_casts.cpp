@@ -155,16 +155,9 @@ struct SweepCall : btTriangleConvexcastCallback
 
 	bool isSmooth( int triangle, const Vec3d& face ) const
 	{
-		const std::vector<float>& normals = surface.m_surface.normals;
-		for ( int k = 0; k < 3 && !normals.empty(); ++k )
-		{
-			const std::size_t vertex = surface.m_surface.view.indices[3 * std::size_t( triangle ) + std::size_t( k )];
-			if ( Eigen::Map<const Vec3>( normals.data() + 3 * vertex ).cast<double>().dot( face ) < kSmoothCosine )
-			{
-				return false;
-			}
-		}
-		return !normals.empty();
+		const std::uint32_t* const vertex = surface.m_surface.view.indices + 3 * std::size_t( triangle );
+		return !surface.m_surface.normals.empty() &&
+			std::all_of( vertex, vertex + 3, [&]( std::uint32_t corner ) { return surface.isSmoothAt( corner, face ); } );
 	}
 
 	const SurfaceShape& surface;

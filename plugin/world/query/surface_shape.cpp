@@ -9,43 +9,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace pliant {
-
-namespace {
-
-/// Vertices on a crease get no normal, so that the triangles there show their own. The mean of all normals around a corner would count it
-/// as smooth on a plate, whose large faces outweigh the others. `groups`: of vertices at one place.
-void dropCreases( const TriangleView& view, const std::vector<std::uint32_t>& groups, int count, std::vector<float>& normals )
-{
-	std::vector<Vec3> sum( std::size_t( count ), Vec3::Zero() ), face( std::size_t( view.triangles ) );
-	const auto forCorners = [&]( auto&& work ) {
-		for ( int k = 0; k < 3 * view.triangles; ++k )
-		{
-			work( groups[view.indices[k]], face[std::size_t( k / 3 )] );
-		}
-	};
-	for ( int t = 0; t < view.triangles; ++t )
-	{
-		const Vec3d a = view.corner( t, 0 );
-		face[std::size_t( t )] = ( view.corner( t, 1 ) - a ).cross( view.corner( t, 2 ) - a ).normalized().cast<float>();
-	}
-	forCorners( [&]( std::uint32_t group, const Vec3& normal ) { sum[group] += normal; } );
-	std::vector<std::uint8_t> isCrease( std::size_t( count ), 0 );
-	forCorners( [&]( std::uint32_t group, const Vec3& normal ) {
-		const bool isApart = normal.dot( sum[group] ) < kCreaseCosine * sum[group].norm();
-		isCrease[group] = isApart ? 1 : isCrease[group];
-	} );
-	for ( std::size_t vertex = 0; vertex < groups.size(); ++vertex )
-	{
-		if ( isCrease[groups[vertex]] != 0 )
-		{
-			std::fill_n( normals.begin() + std::ptrdiff_t( 3 * vertex ), 3, 0.0f );
-		}
-	}
-}
-
-} // namespace
 
 SurfaceShape::SurfaceShape( const SoftBody& owner ) : m_owner( owner )
 {
@@ -102,21 +68,44 @@ void SurfaceShape::update() const
 		placeBoundary();
 	}
 	m_surface.view.positions = m_surface.positions.data();
-	if ( !m_surface.normals.empty() )
-	{
-		const SkinBinding& shown = impl.binding();
-		dropCreases( m_surface.view, shown.normalGroup, shown.normalGroups, m_surface.normals );
-	}
 	const bool isSame = sameLinks && before.indices == m_surface.view.indices && before.triangles == m_surface.view.triangles;
 	if ( !isSame )
 	{
 		const std::vector<Vec3>& rest = isDrawn ? impl.binding().restPosition : m_surface.boundary.rest;
 		m_surface.tree.sort(
 			TriangleView{ rest.empty() ? nullptr : rest.front().data(), m_surface.view.indices, m_surface.view.triangles } );
+		listCorners();
 	}
 	m_surface.tree.refit( m_surface.view );
 	m_surface.links = impl.fractureVersion;
 	m_isKnown = true;
+}
+
+// Group by group of vertices that share a normal, in the order of the triangles.
+void SurfaceShape::listCorners() const
+{
+	std::vector<std::uint32_t>&start = m_surface.groupStart, &triangle = m_surface.groupTriangle;
+	start.clear();
+	triangle.clear();
+	if ( m_surface.normals.empty() )
+	{
+		return;
+	}
+	const SkinBinding& shown = m_owner.impl().binding();
+	const TriangleView& view = m_surface.view;
+	const int corners = 3 * view.triangles;
+	start.assign( std::size_t( shown.normalGroups ) + 2, 0 );
+	for ( int k = 0; k < corners; ++k )
+	{
+		++start[shown.normalGroup[view.indices[k]] + 2];
+	}
+	std::partial_sum( start.begin(), start.end(), start.begin() );
+	triangle.resize( std::size_t( corners ) );
+	for ( int k = 0; k < corners; ++k )
+	{
+		triangle[start[shown.normalGroup[view.indices[k]] + 1]++] = std::uint32_t( k / 3 ); // moves each start to that of the next group
+	}
+	start.pop_back();
 }
 
 bool SurfaceShape::placeDrawn() const
@@ -216,6 +205,36 @@ std::vector<SurfaceShape::Piece> SurfaceShape::piecesIn( const btVector3& low, c
 	return pieces;
 }
 
+// The mean of all normals around a corner would count it as smooth on a plate, whose large faces outweigh the others.
+bool SurfaceShape::isOnCrease( std::uint32_t vertex ) const
+{
+	const std::uint32_t group = m_owner.impl().binding().normalGroup[vertex];
+	const std::uint32_t* const begin = m_surface.groupTriangle.data() + m_surface.groupStart[group];
+	const std::uint32_t* const end = m_surface.groupTriangle.data() + m_surface.groupStart[group + 1];
+	const auto normalOf = [this]( std::uint32_t triangle ) {
+		Vec3d corner[3];
+		cornersOf( int( triangle ), corner );
+		return Vec3( ( corner[1] - corner[0] ).cross( corner[2] - corner[0] ).normalized().cast<float>() );
+	};
+	Vec3 sum = Vec3::Zero();
+	for ( const std::uint32_t* triangle = begin; triangle < end; ++triangle )
+	{
+		sum += normalOf( *triangle );
+	}
+	const float least = kCreaseCosine * sum.norm();
+	return std::any_of( begin, end, [&]( std::uint32_t triangle ) { return normalOf( triangle ).dot( sum ) < least; } );
+}
+
+bool SurfaceShape::isSmoothAt( std::uint32_t vertex, const Vec3d& face ) const
+{
+	return normalAt( vertex ).dot( face ) >= kSmoothCosine && !isOnCrease( vertex );
+}
+
+Vec3d SurfaceShape::normalAt( std::uint32_t vertex ) const
+{
+	return Eigen::Map<const Vec3>( m_surface.normals.data() + 3 * std::size_t( vertex ) ).cast<double>();
+}
+
 // Where the corners' normals are near the face's, the surface is smooth there; at edges the face's own counts.
 Vec3d SurfaceShape::smoothNormal( int triangle, const Vec3d& weights, const Vec3d& face ) const
 {
@@ -227,12 +246,11 @@ Vec3d SurfaceShape::smoothNormal( int triangle, const Vec3d& weights, const Vec3
 	for ( int k = 0; k < 3; ++k )
 	{
 		const std::uint32_t vertex = m_surface.view.indices[3 * std::size_t( triangle ) + std::size_t( k )];
-		const Vec3d normal = Eigen::Map<const Vec3>( m_surface.normals.data() + 3 * std::size_t( vertex ) ).cast<double>();
-		if ( normal.dot( face ) < kSmoothCosine )
+		if ( !isSmoothAt( vertex, face ) )
 		{
 			return face;
 		}
-		sum += weights[k] * normal;
+		sum += weights[k] * normalAt( vertex );
 	}
 	return sum.normalized();
 }
@@ -311,7 +329,8 @@ bool SurfaceShape::contains( const btVector3& point, btVector3& onSurface, btVec
 std::size_t SurfaceShape::bytes() const
 {
 	return ( m_surface.positions.capacity() + m_surface.normals.capacity() + m_surface.nodeMaps.capacity() ) * sizeof( float ) +
-		m_surface.tree.bytes() + m_surface.boundary.triangle.size() * sizeof( m_surface.boundary.triangle[0] );
+		( m_surface.groupStart.capacity() + m_surface.groupTriangle.capacity() ) * sizeof( std::uint32_t ) + m_surface.tree.bytes() +
+		m_surface.boundary.triangle.size() * sizeof( m_surface.boundary.triangle[0] );
 }
 
 } // namespace pliant

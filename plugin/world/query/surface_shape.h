@@ -61,8 +61,9 @@ private:
 		std::vector<float> positions, normals; ///< relative to the nodes' origin, m; normals empty: those of the faces
 		TriangleView view;
 		TriangleTree tree;
-		BoundaryFaces boundary; ///< empty where a mesh is drawn
-		unsigned links = 0;     ///< SoftBody::Impl::fractureVersion of `boundary`
+		std::vector<std::uint32_t> groupStart, groupTriangle; ///< triangles at the vertices that share a normal; empty where normals are
+		BoundaryFaces boundary;                               ///< empty where a mesh is drawn
+		unsigned links = 0;                                   ///< SoftBody::Impl::fractureVersion of `boundary`
 		std::vector<float> nodeMaps;
 	};
 
@@ -76,6 +77,12 @@ private:
 	btVector3 fromNodes( const Vec3d& point ) const;
 	void cornersOf( int triangle, Vec3d ( &corner )[3] ) const;
 	void cornersOf( int triangle, btVector3 ( &corner )[3] ) const;
+	void listCorners() const;
+	/// Whether the triangles at a vertex meet at an angle, each counted once.
+	bool isOnCrease( std::uint32_t vertex ) const;
+	/// Whether the normal at a vertex, which has one, is near that of a face, and on no crease.
+	bool isSmoothAt( std::uint32_t vertex, const Vec3d& face ) const;
+	Vec3d normalAt( std::uint32_t vertex ) const;
 	Vec3d smoothNormal( int triangle, const Vec3d& weights, const Vec3d& face ) const;
 
 	friend struct SweepCall;

@@ -83,13 +83,20 @@ void TriangleTree::refit( const TriangleView& surface )
 			box.high = lower.high.cwiseMax( upper.high );
 			continue;
 		}
-		box.low = box.high = surface.corner( int( m_order[std::size_t( box.first )] ), 0 ).cast<float>();
-		for ( int k = 0; k < 3 * box.count; ++k )
+		const float most = std::numeric_limits<float>::max();
+		Eigen::Array3f low( most, most, most ), high( -low );
+		for ( int k = 0; k < box.count; ++k )
 		{
-			const Vec3 corner = surface.corner( int( m_order[std::size_t( box.first + k / 3 )] ), k % 3 ).cast<float>();
-			box.low = box.low.cwiseMin( corner );
-			box.high = box.high.cwiseMax( corner );
+			const std::uint32_t* const index = surface.indices + 3 * std::size_t( m_order[std::size_t( box.first + k )] );
+			for ( int corner = 0; corner < 3; ++corner )
+			{
+				const Eigen::Map<const Eigen::Array3f> vertex( surface.positions + 3 * std::size_t( index[corner] ) );
+				low = low.min( vertex );
+				high = high.max( vertex );
+			}
 		}
+		box.low = low;
+		box.high = high;
 	}
 }
 
