@@ -1,4 +1,4 @@
-// What happened in the last step, and rays.
+// Events of the last step, and rays.
 
 #include "c/handles.h"
 #include "c/numbers.h"

@@ -54,7 +54,7 @@ template <class T>
 struct [[nodiscard]] Result
 {
 	Status status; ///< the outcome
-	T value{};     ///< what was asked for; default-constructed (null for pointers) unless ok()
+	T value{};     ///< the result; default-constructed (null for pointers) unless ok()
 
 	/// Whether there is a value.
 	[[nodiscard]] bool ok() const { return status.ok(); }
