@@ -59,7 +59,7 @@ void SoftBody::Impl::keepDrawn( bool moves )
 
 namespace {
 
-/// Brings the tables up to date with cracks and levels.
+/// Updates the tables after cracks and changes of levels.
 void updateTables( const SoftBody::Impl& impl, const DrawnMesh& mesh, GpuSkin& gpu )
 {
 	const bool isNew = !gpu.isShown || gpu.fractureVersion != shownVersion( impl );

@@ -11,7 +11,7 @@ namespace pliant {
 /// Largest pressure of a gas, Pa: ten thousand atmospheres, above which nothing that the library simulates holds.
 inline constexpr btScalar kMostPressure = btScalar( 1e9 );
 
-/// Largest speed of wind and water, m/s: three times that of sound in air, where drag has another law.
+/// Largest velocity of wind and water, m/s: three times that of sound in air, where drag has another law.
 inline constexpr btScalar kMostFlow = btScalar( 1000 );
 
 /// Largest densities of wind and water, kg/m^3: beyond the heaviest gases and liquids.

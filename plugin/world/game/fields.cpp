@@ -36,7 +36,7 @@ Status check( const WaterSettings& settings )
 	return isGood ? Status{} : Status{ ResultCode::BadSettings, "Water: a setting is out of range." };
 }
 
-/// What flows against a surface from its outside.
+/// Velocity of the fluid against a surface from its outside.
 struct Flow
 {
 	btVector3 velocity; ///< m/s

@@ -14,8 +14,8 @@ namespace pliant {
 
 namespace {
 
-/// Vertices on a crease get no normal, so that the triangles there show their own. The mean of all normals around a corner would count it
-/// as smooth on a plate, whose large faces outweigh the others. `groups`: of vertices at one place.
+/// Vertices on a crease get no normal, so that the triangles there use their own. By the mean of all normals around a corner, the corner of
+/// a plate would count as smooth, because the large faces dominate. `groups`: of vertices at one position.
 void dropCreases( const TriangleView& view, const std::vector<std::uint32_t>& groups, int count, std::vector<float>& normals )
 {
 	std::vector<Vec3> sum( std::size_t( count ), Vec3::Zero() ), face( std::size_t( view.triangles ) );
@@ -87,7 +87,7 @@ const SurfaceShape::Surface& SurfaceShape::now() const
 	return m_surface;
 }
 
-// The tree is sorted anew where triangles have changed, and refitted where vertices have moved.
+// The tree is sorted again if triangles have changed, and refitted if vertices have moved.
 void SurfaceShape::update() const
 {
 	const TriangleView before = m_surface.view;
@@ -131,7 +131,7 @@ bool SurfaceShape::placeDrawn() const
 	return true;
 }
 
-// A corner is where the cells around it would have it on average, each as rotated, or as stretched where cells share a node.
+// The position of a corner is the mean of its positions by the cells around it, each as rotated, or as stretched where cells share a node.
 void SurfaceShape::placeBoundary() const
 {
 	using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
@@ -281,7 +281,7 @@ bool SurfaceShape::contains( const btVector3& point, btVector3& onSurface, btVec
 			const Vec3d weights = nearestWeights( at, corner );
 			const Vec3d there = weights[0] * corner[0] + weights[1] * corner[1] + weights[2] * corner[2];
 			const double distance = ( there - at ).norm();
-			// Of the triangles at an edge the one that faces the point most says on which side it is.
+			// Among the triangles at an edge, the one that faces the point most determines on which side the point is.
 			const double height = ( at - there ).dot( ( corner[1] - corner[0] ).cross( corner[2] - corner[0] ).normalized() );
 			const bool isEqual = least >= 0.0 && std::abs( distance - least ) < least * kEqualDistance;
 			if ( least < 0.0 || ( isEqual ? std::abs( height ) > std::abs( across ) : distance < least ) )
