@@ -164,8 +164,8 @@ public:
 	/// The value last set.
 	[[nodiscard]] bool isKept() const;
 
-	// --- motion. Refused with BadArgument: bad numbers, a node index out of range, and what would give a node more than 1e5 m/s along an
-	// --- axis: at once by velocities and impulses, within 1/60 s by forces and gravity.
+	// --- motion. Refused with BadArgument: bad numbers, a node index out of range, and values that would make a node faster than 1e5 m/s
+	// --- along an axis: directly by velocities and impulses, within 1/60 s by forces and gravity.
 	Status setLinearVelocity( const btVector3& velocity );                     ///< of every node, m/s
 	Status setVelocities( const btVector3& linear, const btVector3& angular ); ///< rigid motion about the centre of mass, m/s and rad/s
 	Status applyCentralForce( const btVector3& force );                        ///< N, distributed by mass, until the end of the step

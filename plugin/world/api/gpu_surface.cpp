@@ -45,7 +45,7 @@ void SoftBody::Impl::keepDrawn( bool moves )
 	StepBlend& blend = *skin.blend;
 	if ( !moves || bodyTemplate->skin().kind == Skinning::None )
 	{
-		blend.kept.forget(); // surface() sees by drawnFraction() that it shows another time
+		blend.kept.forget(); // surface() recognises by drawnFraction() that another time is shown
 		return;
 	}
 	if ( !skin.isMapKnown )

@@ -103,7 +103,7 @@ struct SkinBuffers
 
 	/// Whether the surface has ever been read, by whichever call.
 	bool isRead() const { return frame > 0 || gpu; }
-	/// The body has been moved at once: nothing lies between its last two positions.
+	/// The body has been moved instantaneously: nothing lies between its last two positions.
 	void jumped()
 	{
 		nodesMoved();

@@ -23,7 +23,7 @@ inline constexpr btScalar kMostDrag = btScalar( 100 );
 /// Largest exponent of an explosion's falloff: beyond it nothing but the centre is hit.
 inline constexpr btScalar kMostFalloff = btScalar( 10 );
 
-/// Directions in which the outline of a rigid shape is sampled: the area of a sphere's comes out 2.6 % too small.
+/// Directions in which the outline of a rigid shape is sampled: the area of a sphere is then 2.6 % too small.
 inline constexpr int kOutlineDirections = 16;
 
 /// A leaf of the tree over a surface's triangles: few enough that testing them all costs as much as one more level.

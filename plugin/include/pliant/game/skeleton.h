@@ -35,7 +35,7 @@ struct PosePaint
 {
 	/// Factor on the stiffness of its spring, [0, 1]; 0: it does not follow.
 	float strength = 1.0f;
-	/// It goes no further from its target, m, above 0; default: any distance. Divided by the blend.
+	/// Largest distance from its target, m, above 0; default: any. Divided by the blend.
 	float largestDistance = std::numeric_limits<float>::infinity();
 };
 
