@@ -150,7 +150,7 @@ Car::Wheels Car::wheels() const
 	for ( int w = 0; w < m_vehicle.getNumWheels(); ++w )
 	{
 		wheels[std::size_t( w )] = m_vehicle.getWheelInfo( w );
-		wheels[std::size_t( w )].m_raycastInfo.m_groundObject = nullptr; // found anew in each step
+		wheels[std::size_t( w )].m_raycastInfo.m_groundObject = nullptr; // found again in each step
 	}
 	return wheels;
 }

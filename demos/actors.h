@@ -1,6 +1,6 @@
 #pragma once
 
-// What a player moves: a character and a car, Bullet's own, in a world with soft bodies.
+// Objects that a player moves: Bullet's own character and car, in a world with soft bodies.
 
 #include "demos/stage.h"
 
@@ -14,13 +14,13 @@
 
 namespace pliant_demos {
 
-/// Bullet's character, whose fall and place between two steps a game can save.
+/// Bullet's character, with access to its fall and its position between two steps, so that a game can save them.
 class Character : public btKinematicCharacterController
 {
 public:
 	using btKinematicCharacterController::btKinematicCharacterController;
 
-	/// What it carries from step to step beside its ghost.
+	/// State that it carries from step to step in addition to its ghost.
 	struct State
 	{
 		btScalar fallVelocity, fallOffset, fallSpeed, jumpSpeed, stepOffset;
@@ -64,7 +64,7 @@ private:
 class Car
 {
 public:
-	/// Its wheels stand on the ground at `place`; forward is its z.
+	/// Its wheels stand on the ground at `place`; its z axis points forward.
 	Car( Stage& stage, const btTransform& place, const pliant_glue::Colour& colour );
 	~Car();
 	Car( const Car& ) = delete;
@@ -75,7 +75,7 @@ public:
 	/// Until the next call. `force`: N, of all wheels; `brake`: N s a step, of each wheel; `steer`: rad, to the left.
 	void drive( btScalar force, btScalar brake, btScalar steer );
 	void draw( pliant_glue::DrawList& list ) const;
-	/// What the vehicle carries beside its chassis.
+	/// State of the vehicle in addition to that of its chassis.
 	using Wheels = std::array<btWheelInfo, 4>;
 	Wheels wheels() const;
 	void restore( const Wheels& wheels );

@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | A scene drawn twice in each frame, with skins of the library and with skins of the graphics card: how far the     |
-// | vertices and the pictures are apart.                                                                              |
+// | A scene drawn twice in each frame, with skins of the library and with skins of the graphics card, and the         |
+// | distances between vertices and pictures.                                                                          |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/play.h"
@@ -30,7 +30,7 @@ constexpr double kMostTurned = 1.0; // degrees
 constexpr double kFewTurned = 5e-3; // of the normals: where triangles that face each other cancel, rounding decides
 constexpr double kSliver = 2e-3;    // cells: normals of narrower triangles are not compared
 constexpr int kVisible = 8;         // of 255: a pixel that differs by more is counted
-constexpr double kFewPixels = 1e-3; // of the picture: silhouettes that pass a sample on the other side
+constexpr double kFewPixels = 1e-3; // of the picture: pixels at silhouettes, where a sample is covered in one picture only
 
 struct Difference
 {
@@ -163,7 +163,7 @@ private:
 		return std::sqrt( sum );
 	}
 
-	/// By vertex the width of its widest triangle, m: rounding turns those that are hardly wider than it.
+	/// For each vertex the width of its widest triangle, m: rounding rotates the normals of triangles that are hardly wider than it.
 	static std::vector<double> widestTriangles( const pliant_glue::DrawMesh& mesh )
 	{
 		std::vector<double> widest( std::size_t( mesh.vertexCount ), 0 );

@@ -40,7 +40,7 @@ ModelMesh makePalm( const PalmPlan& plan )
 		}
 		return inside;
 	};
-	// Off the faces of the palm, so that no corner of the grid lies on them.
+	// Not on the faces of the palm, so that no corner of the grid lies on them.
 	const float margin = 1.37f * d;
 	return asOnePart( "palm",
 		marchSurface( field, { -margin, -length - margin, -margin }, { 2 * half[0] + margin, 2 * half[1] + margin, 2 * half[2] + margin },

@@ -9,14 +9,15 @@
 
 namespace pliant_demos {
 
-/// A palm of `blocks` blocks of eight cells, its lower corner at the origin, and thin fingers that hang below it along -y, each two
-/// cells thick. Palm and fingers stand on the lattice of edge `cell`: blocks of the palm are full, blocks at a finger a quarter full.
+/// A palm of `blocks` blocks of eight cells, with its lower corner at the origin, and thin fingers that hang below it along -y, each two
+/// cells thick. Palm and fingers are aligned with the lattice of edge `cell`: blocks of the palm are full, blocks at a finger a quarter
+/// full.
 struct PalmPlan
 {
 	float cell = 0.02f;
 	int blocks[3] = { 5, 4, 3 };
-	int fingerCells = 24;                    ///< length
-	std::vector<std::array<int, 2>> fingers; ///< where each hangs: cells along x and z, even numbers
+	int fingerCells = 24;                    ///< length, cells
+	std::vector<std::array<int, 2>> fingers; ///< position of each: cells along x and z, even numbers
 
 	float width( std::size_t axis ) const { return 8 * cell * float( blocks[axis] ); }
 };
@@ -31,7 +32,7 @@ struct Digit
 	float radius;
 };
 const std::vector<Digit>& handDigits();
-/// Which digit a point of the hand belongs to, and how far beyond its root it is, 0 at the root to 1 a radius further on and beyond.
+/// The digit that a point of the hand belongs to, and how far beyond its root it is: 0 at the root, 1 from one radius on.
 struct DigitFraction
 {
 	std::size_t digit;
@@ -39,9 +40,9 @@ struct DigitFraction
 };
 DigitFraction digitAt( const float* point );
 
-/// A tulip, about 0.65 m high, its foot at the origin; `petals` of them around a stem with two leaves.
+/// A tulip, about 0.65 m high, its foot at the origin; `petals` petals around a stem with two leaves.
 pliant_glue::ModelMesh makeFlower( int petals );
-constexpr float kFlowerHeadFrom = 0.40f; ///< m: above this it is petals, below stem and leaves
+constexpr float kFlowerHeadFrom = 0.40f; ///< m: petals above, stem and leaves below
 constexpr float kFlowerHeadMiddle = 0.52f;
 
 } // namespace pliant_demos

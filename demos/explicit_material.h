@@ -1,7 +1,7 @@
 #pragma once
 
-// The material that scenes begin with: the papers' explicit step at a modulus that it reaches, so that a scene shows the same after the
-// library's defaults change.
+// The initial material of scenes: the papers' explicit step with a modulus that it reaches, so that changes of the library's defaults do
+// not change the scenes.
 
 #include <pliant/material.h>
 

@@ -1,11 +1,11 @@
 #!/bin/sh
 # Fetches the models of Debian's package libcgal-demo (145 meshes, 23 MB) into a folder, without installing it and without root.
 #
-# Usage: demos/fetch_models.sh [folder]          (default: models/ beside this repository's README, which git ignores)
+# Usage: demos/fetch_models.sh [folder]          (default: models/ in the repository's root, which git ignores)
 #
 # The files are not part of this repository: several are scans whose makers ask for credit (the bunny, the dragon and the armadillo
-# come from the Stanford 3D Scanning Repository). The demos run without them, on shapes made in code, and say so.
-# Ends with 0 when the models are there, and with 1 and a sentence when they cannot be had.
+# come from the Stanford 3D Scanning Repository). Without them the demos use shapes made in code, and report that.
+# The exit code is 0 if the models exist, and 1 with a message if they cannot be downloaded.
 set -eu
 
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
@@ -13,7 +13,7 @@ models=${1:-$here/../models}
 wanted=$models/data/meshes/bunny00.off
 scan=$models/data/images/liver.inr # 25 MB, packed in the package
 
-# Kept beside the packed one, so that the demos need no library for it.
+# Stored next to the compressed file, so that the demos need no library for it.
 unpack_scan()
 {
 	if [ -s "$scan.gz" ] && [ ! -s "$scan" ]; then
@@ -36,7 +36,7 @@ done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT INT TERM
 
-# apt drops its rights to a user who must be able to write here.
+# apt switches to a user who must be able to write here.
 chmod 755 "$work"
 if ! ( cd "$work" && timeout 180 apt-get -q download libcgal-demo ) > "$work/log" 2>&1; then
 	echo "models: 'apt-get download libcgal-demo' did not work: $( grep -m1 '^E:' "$work/log" || tail -n 1 "$work/log" )" >&2

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a scene found out, as tables: printed, and their means over several draws.
+// Findings of a scene as tables: printed, and their means over several draws.
 
 #include "demos/scene.h"
 
@@ -10,13 +10,13 @@ namespace pliant_demos {
 
 void print( const FindingTable& table );
 
-/// Tables of several runs of one scene, in the order they came.
+/// Tables of several runs of one scene, in the order of the runs.
 class FindingMeans
 {
 public:
 	/// All must have the same tables as the first.
 	void add( std::vector<FindingTable> tables );
-	/// The mean of each number; where a table has one row, the least and the most of it as well.
+	/// The mean of each number; for tables of one row the smallest and the largest number as well.
 	std::vector<FindingTable> tables() const;
 
 private:

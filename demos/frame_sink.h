@@ -1,6 +1,6 @@
 #pragma once
 
-// Where a film's frames go: pictures, or model files for another program to draw.
+// Outputs for a film's frames: pictures, or model files for another program to draw.
 
 #include "demos/run.h"
 
@@ -14,14 +14,14 @@ class FrameSink
 public:
 	virtual ~FrameSink() = default;
 
-	/// False when the frame could not be written; `why` then says so.
+	/// Returns false if the frame could not be written; `why` then has the reason.
 	virtual bool write( int frame, const pliant_glue::DrawList& list, std::string& why ) = 0;
 
-	/// After the last frame. Returns what was made, for the summary.
+	/// After the last frame. Returns a description of the output, for the summary.
 	virtual std::string finish() = 0;
 };
 
-/// PNG frames, and a film of them when ffmpeg is there. Null when nothing can be drawn here; `why` then says so.
+/// PNG frames, and a film of them if ffmpeg is installed. Null if nothing can be drawn here; `why` then has the reason.
 std::unique_ptr<FrameSink> makePictureSink( const RunSettings& settings, std::string& why );
 
 /// A model file for every `exportEvery`-th frame.

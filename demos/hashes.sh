@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Prints each scene's state hash, a line each: equal lines before and after a change say that it changed no bit of any scene.
+# Prints each scene's state hash, a line each: if the lines before and after a change are equal, it changed no bit of any scene.
 #
 # Usage: demos/hashes.sh [--frames N] [scene ...]      default: 60 frames of every scene, without pictures
 #
-# Environment: BUILD_DIR (default: build beside this repository's README; pliant_demos must have been built there).
+# Environment: BUILD_DIR (default: build in the repository's root; pliant_demos must have been built there).
 set -euo pipefail
 
 root=$( cd "$( dirname "${BASH_SOURCE[0]}" )/.." && pwd )

@@ -1,5 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | From labels to a surface: how full each sample is, smoothed, and the surface where it is half full.              |
+// | From labels to a surface: the fraction of full voxels at each sample, smoothed, and the surface where it is one  |
+// | half.                                                                                                            |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/liver.h"
@@ -20,7 +21,7 @@ namespace {
 constexpr int kMargin = 3;     // samples around the volume, so that the surface closes
 constexpr int kSmoothings = 2; // each spreads a sample over its neighbours by 1 : 2 : 1
 
-/// Shares of full voxels on a grid of cubes.
+/// Fractions of full voxels on a grid of cubes.
 class Samples
 {
 public:
@@ -95,7 +96,7 @@ private:
 		return ( std::size_t( z ) * std::size_t( m_size[1] ) + std::size_t( y ) ) * std::size_t( m_size[0] ) + std::size_t( x );
 	}
 
-	/// 1 : 2 : 1 along each axis in turn. Nothing full lies at the border.
+	/// 1 : 2 : 1 along each axis in turn. No full voxel lies at the border.
 	void smooth()
 	{
 		const std::size_t steps[3] = { 1, std::size_t( m_size[0] ), std::size_t( m_size[0] ) * std::size_t( m_size[1] ) };
@@ -132,7 +133,7 @@ ModelMesh surfaceOfVolume( const GreyVolume& volume, float spacing )
 	{
 		const float y = mesh.positions[i + 1];
 		mesh.positions[i + 1] = mesh.positions[i + 2];
-		mesh.positions[i + 2] = -y; // a turn, no mirror
+		mesh.positions[i + 2] = -y; // a rotation, not a reflection
 	}
 	name( mesh, "volume" );
 	return mesh;

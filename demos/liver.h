@@ -1,6 +1,6 @@
 #pragma once
 
-// A liver: the surface of a segmented scan, and a shape from code that stands in for it.
+// A liver: the surface of a segmented scan, or a similar shape from code.
 
 #include "third_party_glue/inr_reader.h"
 
@@ -10,7 +10,7 @@ namespace pliant_demos {
 /// y up along the scan's z. Closed.
 pliant_glue::ModelMesh surfaceOfVolume( const pliant_glue::GreyVolume& volume, float spacing );
 
-/// About the same: a thick lobe and a thin one.
+/// A similar shape: a thick lobe and a thin one.
 pliant_glue::ModelMesh makeLiverLike();
 
 } // namespace pliant_demos

@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | Marching tetrahedra, vertices put onto the true surface by halving.                                               |
+// | Marching tetrahedra, with vertices moved onto the true surface by bisection.                                      |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/marching.h"
@@ -53,7 +53,8 @@ private:
 	std::vector<float> m_values;
 };
 
-/// Marching tetrahedra: every cube is cut into the six tetrahedra around one diagonal, the same way, so faces of neighbours agree.
+/// Marching tetrahedra: every cube is cut into the six tetrahedra around one diagonal, all cubes alike, so that the faces of neighbours
+/// agree.
 class Marcher
 {
 public:
@@ -101,7 +102,7 @@ private:
 		} );
 	}
 
-	/// Halving, not one linear step: vertices off the true surface would show as ripples in the shading.
+	/// Bisection instead of one linear step: vertices off the true surface would show as ripples in the shading.
 	Point surfacePoint( Point low, Point high, bool lowIsInside ) const
 	{
 		const auto middle = [&] { return Point{ ( low[0] + high[0] ) / 2, ( low[1] + high[1] ) / 2, ( low[2] + high[2] ) / 2 }; };

@@ -52,7 +52,7 @@ ModelMesh fromInstance( const DrawInstance& from, const Primitive& shape, const 
 		{
 			mesh.positions.push_back( from.axisX[k] * p[0] + from.axisY[k] * p[1] + from.axisZ[k] * p[2] + from.position[k] );
 		}
-		// The axes are at right angles: a normal turns with them, each component over its axis's length.
+		// The axes are at right angles: a normal is rotated with them, each component divided by the length of its axis.
 		const float* n = &shape.normals[i];
 		Vec3 turned;
 		float square = 0;

@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | The blade's edge is the ray under the mouse; from one picture to the next it sweeps over a triangle or two.       |
+// | The blade's edge is the ray under the mouse; from one picture to the next it sweeps over one or two triangles.    |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/mouse_blade.h"

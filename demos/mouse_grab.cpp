@@ -12,7 +12,7 @@ namespace {
 
 constexpr btScalar kGrabReach = btScalar( 100 );    // m
 constexpr btScalar kGrabCells = btScalar( 2.5 );    // radius of the held ball of nodes, in cells
-constexpr btScalar kFrequency = btScalar( 12 );     // rad/s: how eagerly the body follows the mouse
+constexpr btScalar kFrequency = btScalar( 12 );     // rad/s: determines how fast the body follows the mouse
 constexpr btScalar kJointImpulse = btScalar( 0.5 ); // N s per kg
 constexpr btScalar kJointTau = btScalar( 0.08 );
 
@@ -30,7 +30,7 @@ void MouseGrab::grab( const btVector3& from, const btVector3& direction )
 	}
 	m_target = hit.m_hitPointWorld;
 	m_distance = ( m_target - from ).length();
-	auto* object = const_cast<btCollisionObject*>( hit.m_collisionObject ); // Bullet's callback hands it out const
+	auto* object = const_cast<btCollisionObject*>( hit.m_collisionObject ); // Bullet's callback returns it as const
 	m_soft = pliant::SoftBody::upcast( object );
 	m_rigid = m_soft == nullptr ? btRigidBody::upcast( object ) : nullptr;
 	if ( m_soft != nullptr )
@@ -83,7 +83,7 @@ void MouseGrab::apply()
 	}
 	if ( m_versions != std::array<unsigned, 2>{ m_soft->levelVersion(), m_soft->fractureVersion() } )
 	{
-		takeNode( m_heldAt ); // nodes have other numbers
+		takeNode( m_heldAt ); // the nodes have been renumbered
 	}
 	const btVector3 centre = m_soft->nodePosition( m_node );
 	m_heldAt = centre;
@@ -93,14 +93,15 @@ void MouseGrab::apply()
 	{
 		held += ( m_soft->nodePosition( i ) - centre ).length() < radius ? m_soft->nodeMass( i ) : 0;
 	}
-	// The whole body hangs on the held nodes, so the spring must be made for its mass: f = M (k^2 (target - x) - 2 k v), critically damped.
+	// The held nodes pull the whole body, so the spring is computed for its mass: f = M (k^2 (target - x) - 2 k v), critically damped.
 	const btScalar fraction = m_soft->mass() / held;
 	for ( int i = 0; i < m_soft->nodeCount(); ++i )
 	{
 		if ( ( m_soft->nodePosition( i ) - centre ).length() < radius )
 		{
 			const btVector3 pull = ( m_target - centre ) * ( kFrequency * kFrequency ) - m_soft->linearVelocity() * ( 2 * kFrequency );
-			static_cast<void>( m_soft->applyForce( pull * ( m_soft->nodeMass( i ) * fraction ), i ) ); // too strong a pull is left out
+			static_cast<void>(
+				m_soft->applyForce( pull * ( m_soft->nodeMass( i ) * fraction ), i ) ); // a force that is too large is refused, and omitted
 		}
 	}
 }

@@ -19,14 +19,14 @@ public:
 	MouseGrab( const MouseGrab& ) = delete;
 	MouseGrab& operator=( const MouseGrab& ) = delete;
 
-	/// Take what the ray meets first, if it can move.
+	/// Grabs the first object that the ray meets, if it can move.
 	void grab( const btVector3& from, const btVector3& direction );
-	/// Keep it as far from the eye as it was taken.
+	/// Keeps the object at the distance from the eye at which it was grabbed.
 	void move( const btVector3& from, const btVector3& direction );
 	void release();
 	bool isHolding() const { return m_soft != nullptr || m_joint != nullptr; }
 
-	/// Before each step: the pull on a soft body is a force and must be given anew.
+	/// Before each step: the pull on a soft body is a force, and has to be applied in every step.
 	void apply();
 
 	btVector3 heldPoint() const;
@@ -38,8 +38,8 @@ private:
 	pliant::SoftBodyWorld& m_world;
 	pliant::SoftBody* m_soft = nullptr;
 	int m_node = 0;
-	btVector3 m_heldAt = btVector3( 0, 0, 0 ); ///< where that node was last
-	std::array<unsigned, 2> m_versions = {};   ///< of its body when it was taken
+	btVector3 m_heldAt = btVector3( 0, 0, 0 ); ///< last position of that node
+	std::array<unsigned, 2> m_versions = {};   ///< of its body when it was grabbed
 	btRigidBody* m_rigid = nullptr;
 	std::unique_ptr<btPoint2PointConstraint> m_joint;
 	btVector3 m_target = btVector3( 0, 0, 0 );

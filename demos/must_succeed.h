@@ -1,6 +1,6 @@
 #pragma once
 
-// For calls that a demo's own numbers never make fail.
+// For calls that cannot fail with a demo's own numbers.
 
 #include <pliant/result.h>
 
@@ -8,7 +8,7 @@
 
 namespace pliant_demos {
 
-/// Prints the reason where such a call is refused all the same.
+/// Prints the reason if such a call is refused nevertheless.
 inline void mustSucceed( const pliant::Status& status )
 {
 	if ( !status.ok() )

@@ -18,7 +18,7 @@ inline constexpr pliant_glue::Colour kOak = { 0.42f, 0.25f, 0.11f };
 inline constexpr pliant_glue::Colour kMoss = { 0.12f, 0.26f, 0.07f };
 inline constexpr pliant_glue::Colour kBrick = { 0.48f, 0.09f, 0.07f };
 
-/// 0: teal, as it should be; halfway: ochre; 1 and above: brick.
+/// 0: teal, as expected; halfway: ochre; 1 and above: brick.
 inline pliant_glue::Colour heat( float fraction )
 {
 	const float s = std::clamp( fraction, 0.0f, 1.0f ) * 2;

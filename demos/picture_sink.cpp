@@ -1,5 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | Frames as PNG, drawn without a window, and a film when ffmpeg is there. Built without OpenGL it says so.          |
+// | Frames as PNG, drawn without a window, and a film if ffmpeg is installed. A build without OpenGL reports that it  |
+// | cannot draw.                                                                                                      |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/frame_sink.h"
@@ -80,7 +81,7 @@ private:
 	RunSettings m_settings;
 	std::unique_ptr<pliant_glue::Offscreen> m_context; // outlives the renderer, whose objects live in it
 	std::unique_ptr<pliant_glue::Renderer> m_renderer;
-	std::future<bool> m_writing; // packing a PNG takes as long as a small step: it runs beside the next one
+	std::future<bool> m_writing; // compressing a PNG takes as long as a small step, so it runs concurrently with the next one
 	int m_frames = 0;
 };
 

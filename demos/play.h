@@ -1,6 +1,6 @@
 #pragma once
 
-// A scene being played: its stage, the stages beside it, and the clock.
+// A scene while it runs: its stage, its additional stages, and the clock.
 
 #include "demos/scene.h"
 
@@ -21,7 +21,7 @@ public:
 		m_stage( options ), m_scene( entry.make() ), m_isGood( m_scene->init( m_stage ) )
 	{}
 
-	/// False when a body was refused; the stage's status says why.
+	/// False if a body was refused; the stage's status has the reason.
 	bool isGood() const { return m_isGood; }
 	Stage& stage() { return m_stage; }
 	const Stage& stage() const { return m_stage; }
@@ -30,11 +30,11 @@ public:
 	/// The main stage first.
 	std::vector<Stage*> stages();
 
-	/// `frames`: as many, or 0: as long as the scene is.
+	/// `frames`: the number of frames, or 0 for the scene's own length.
 	FilmLength film( int framesPerSecond, int frames ) const;
 
 	void step();
-	/// Skins everything; what `draw` adds is borrowed until the next step.
+	/// Skins everything; the data that `draw` adds is borrowed until the next step.
 	void skin();
 	void draw( pliant_glue::DrawList& list, bool showNodes );
 

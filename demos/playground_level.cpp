@@ -15,17 +15,17 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr btScalar kGateAt = btScalar( -3.6 ), kGateWidth = btScalar( 2.4 );                        // m
-constexpr btScalar kDoorAt = btScalar( 3.9 ), kDoorMiddle = btScalar( 2.7 );                        // m, x and z
-constexpr float kDoorWidth = 1.1f, kDoorHeight = 1.7f, kDoorThickness = 0.1f;                       // m
-constexpr btScalar kDoorFrame = btScalar( 0.28 );                                                   // m, what a hinge holds of the panel
-constexpr btScalar kDoorOpens = btScalar( 1.7 ), kDoorFriction = btScalar( 0.05 );                  // rad; N m s a step, of each hinge
-constexpr btScalar kBallAt = btScalar( 2.6 ), kGallows = btScalar( 2.7 );                           // m, x and height
-constexpr float kPlaygroundBall = 0.5f;                                                             // m
-constexpr int kLinks = 4;                                                                           // of the chain
-constexpr btScalar kChainHolds = 500;                                                               // N; the ball weighs 130 N
-constexpr float kPlaygroundBrick[3] = { 0.12f, 0.12f, 0.24f };                                      // m
-constexpr int kPlaygroundBricks = 9, kPlaygroundCourses = 8;                                        // along the wall and up
+constexpr btScalar kGateAt = btScalar( -3.6 ), kGateWidth = btScalar( 2.4 );       // m
+constexpr btScalar kDoorAt = btScalar( 3.9 ), kDoorMiddle = btScalar( 2.7 );       // m, x and z
+constexpr float kDoorWidth = 1.1f, kDoorHeight = 1.7f, kDoorThickness = 0.1f;      // m
+constexpr btScalar kDoorFrame = btScalar( 0.28 );                                  // m, width of the part of the panel that a hinge holds
+constexpr btScalar kDoorOpens = btScalar( 1.7 ), kDoorFriction = btScalar( 0.05 ); // rad; N m s a step, of each hinge
+constexpr btScalar kBallAt = btScalar( 2.6 ), kGallows = btScalar( 2.7 );          // m, x and height
+constexpr float kPlaygroundBall = 0.5f;                                            // m
+constexpr int kLinks = 4;                                                          // of the chain
+constexpr btScalar kChainHolds = 500;                                              // N; the ball weighs 130 N
+constexpr float kPlaygroundBrick[3] = { 0.12f, 0.12f, 0.24f };                     // m
+constexpr int kPlaygroundBricks = 9, kPlaygroundCourses = 8;                       // along the wall and up
 constexpr btScalar kWallAt = 5, kCratesAt = btScalar( 6.5 ), kCrateEdge = btScalar( 0.5 );          // m
 constexpr btScalar kFanAt = btScalar( 4.9 ), kFlagAt = btScalar( 6 ), kFanHeight = btScalar( 1.3 ); // m
 constexpr btScalar kFlagTop = btScalar( 1.9 );                                                      // m
@@ -194,7 +194,7 @@ bool PlaygroundLevel::addDoors()
 	{
 		return false;
 	}
-	door->setIgnoreCollisionCheck( post, true ); // what a joint holds must not collide
+	door->setIgnoreCollisionCheck( post, true ); // objects connected by a joint must not collide
 	for ( const btScalar y : { bottom + btScalar( 0.3 ), bottom + btScalar( kDoorHeight ) - btScalar( 0.3 ) } )
 	{
 		const pliant::Result<btRigidBody*> frame = m_stage->world().addFrame(

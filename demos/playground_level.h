@@ -1,6 +1,6 @@
 #pragma once
 
-// What stands in the scene game_playground: soft ground, things to push and to break, doors, a ball on a chain, a fan.
+// Contents of the scene game_playground: soft ground, things to push and to break, doors, a ball on a chain, a fan.
 
 #include "demos/stage.h"
 
@@ -8,7 +8,7 @@
 
 namespace pliant_demos {
 
-/// Kinds of soft bodies; what breaks off has that of its body (btCollisionObject::getUserIndex).
+/// Kinds of soft bodies; pieces have the kind of their body (btCollisionObject::getUserIndex).
 enum class PlaygroundThing : int
 {
 	Ground = 1,
@@ -25,7 +25,7 @@ PlaygroundThing thingOf( const btCollisionObject& object );
 constexpr btScalar kWalkersLane = btScalar( 1.6 ), kCarsLane = btScalar( -2 ); // z, m
 constexpr int kMostPlaygroundPieces = 40;                                      // the debris budget
 
-/// Wind in front of a fan, for light things.
+/// Wind in front of a fan, for light objects.
 class FanWind : public pliant::Wind
 {
 public:
@@ -38,7 +38,7 @@ public:
 class PlaygroundLevel
 {
 public:
-	/// False when a body is refused; the stage's status says why.
+	/// False if a body is refused; the stage's status has the reason.
 	bool build( Stage& stage );
 	PlaygroundLevel() = default;
 	~PlaygroundLevel();
@@ -49,7 +49,7 @@ public:
 	double gateAngle() const;
 	double doorAngle() const;
 	void openGate();
-	/// What the scene has set since the level was built.
+	/// State that the scene has changed since the level was built.
 	struct Switches
 	{
 		btScalar gateMotor; ///< rad/s

@@ -1,12 +1,12 @@
 #pragma once
 
-// How far a long job is: one line redrawn on a terminal, a line every tenth in a log.
+// Progress of a long job: one line redrawn on a terminal, a line every tenth in a log.
 
 #include <string>
 
 namespace pliant_demos {
 
-/// Someone reads it as it comes, and lines can be drawn over.
+/// True if output goes to a terminal, on which lines can be redrawn.
 bool standardOutputIsTerminal();
 
 class ProgressLine

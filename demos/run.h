@@ -19,18 +19,18 @@ struct RunSettings
 	bool render = true;
 	bool showNodes = false;
 	std::string exportFormat; ///< "", "glb", "gltf", "obj", "ply" or "stl"
-	int draws = 1;            ///< runs of it, each with the next seed
+	int draws = 1;            ///< number of runs, each with the next seed
 	int exportEvery = 10;     ///< frames from one model file to the next
 	int snapshots = 0;        ///< random steps at which it is saved and restored
 };
 
 /// All return the process's exit code.
 int runHeadless( const SceneEntry& entry, const RunSettings& settings );
-/// `draws` times, without pictures or files: prints the means of what the scene finds out.
+/// Runs it `draws` times, without pictures or files, and prints the means of its findings.
 int runDraws( const SceneEntry& entry, const RunSettings& settings );
 /// Saves and restores it at random steps, and prints whether it steps on to the same bits.
 int runSnapshots( const SceneEntry& entry, const RunSettings& settings );
-/// Draws each frame with skins of the library and with skins of the graphics card, and prints how far they are apart. 0 where they agree.
+/// Draws each frame with skins of the library and with skins of the graphics card, and prints their differences. 0 if they agree.
 int compareSkins( const SceneEntry& entry, const RunSettings& settings );
 int runInWindow( const SceneEntry& entry, const RunSettings& settings );
 

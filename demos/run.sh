@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Installs what the demos need, builds them, and runs a scene. Frames (PNG), a film, a table and summary.json land in out/<scene>/.
+# Installs what the demos need, builds them, and runs a scene. Writes frames (PNG), a film, a table and summary.json to out/<scene>/.
 #
 # Usage: demos/run.sh [scene] [--window] [options of pliant_demos ...]       e.g. demos/run.sh bunny_pile --frames 120
 #
-#   scene           bunny_pile unless named; demos/run.sh --list names them all
+#   scene           default: bunny_pile; demos/run.sh --list lists all scenes
 #   --window        show it in a window instead (needs a display)
 #
-# Without OpenGL the scene runs all the same, and writes model files instead of pictures.
-# Environment: OUT (default: out/<scene>), BUILD_DIR (default: build beside this repository's README), JOBS, CMAKE_ARGS, CXX.
+# Without OpenGL the scene writes model files instead of pictures.
+# Environment: OUT (default: out/<scene>), BUILD_DIR (default: build in the repository's root), JOBS, CMAKE_ARGS, CXX.
 set -euo pipefail
 
 root=$( cd "$( dirname "${BASH_SOURCE[0]}" )/.." && pwd )

@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | A scene several times, each with the next seed: the means of what it found. What hangs on how things happen to    |
-// | fall is another in each draw, and says little once.                                                               |
+// | Several runs of a scene, each with the next seed, and the means of its findings. Results that depend on how       |
+// | objects fall differ from run to run: a single one says little.                                                    |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/findings.h"

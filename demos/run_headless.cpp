@@ -187,7 +187,7 @@ private:
 		std::printf( "  in %s\n", m_settings.folder.c_str() );
 	}
 
-	/// One row a stage where there are several.
+	/// One row for each stage if there are several.
 	FindingTable stagesTable() const
 	{
 		FindingTable table{
@@ -220,7 +220,7 @@ private:
 		return all;
 	}
 
-	/// Of a scene that has run its whole length: what it shows has happened.
+	/// For a scene that has run its whole length: checks its conditions (Scene::story).
 	bool cameAbout( int frames ) const
 	{
 		if ( frames < m_play->film( m_settings.framesPerSecond, 0 ).frames )

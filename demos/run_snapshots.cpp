@@ -1,7 +1,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | A scene saved at random steps, in its stages' worlds: restored there and in a second run of the scene, they must  |
-// | step on as they did, to the bit. The scene itself stands still meanwhile: it moves nothing and cuts nothing; what |
-// | it carries itself, such as a character's fall, it saves and restores itself (Scene::ownState).                    |
+// | A scene's worlds are saved at random steps. Restored in place and in a second run of the scene, they must         |
+// | continue to the same bits. Meanwhile the scene itself does nothing: it moves and cuts nothing. State of its own,  |
+// | such as a character's fall, it saves and restores itself (Scene::ownState).                                       |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/play.h"
@@ -21,7 +21,7 @@ constexpr int kStepsAfter = 300;
 
 using Bytes = std::vector<std::byte>;
 
-/// With the templates, as a game would save it; or what equal worlds have in common.
+/// With the templates, as a game would save it; or only with what equal worlds share.
 Bytes save( const Stage& stage, bool forComparison )
 {
 	Bytes bytes;
@@ -44,7 +44,7 @@ void stepOn( Stage& stage )
 	}
 }
 
-/// Bullet moves kinematic bodies to where their motion states say, and those are the scene's.
+/// Bullet moves kinematic bodies to the transforms of their motion states, which belong to the scene.
 void holdKinematicBodies( Stage& stage )
 {
 	const btCollisionObjectArray& objects = stage.world().getCollisionObjectArray();
@@ -58,14 +58,14 @@ void holdKinematicBodies( Stage& stage )
 	}
 }
 
-/// What a stage's world was, is to be right after a restore, and is to be later.
+/// States of a stage's world: saved, expected right after a restore, and expected later.
 struct Saved
 {
 	std::any own;
 	Bytes world, then, wanted;
 };
 
-/// Restores, steps on, and says what came of it.
+/// Restores, steps on, and prints the result.
 std::string comparison( Scene& scene, Stage& stage, const Saved& saved )
 {
 	scene.restoreOwnState( saved.own );
@@ -114,7 +114,7 @@ int runSnapshots( const SceneEntry& entry, const RunSettings& settings )
 			return 1;
 		}
 		playTo( play, step );
-		playTo( other, 1 ); // which may make bodies kinematic
+		playTo( other, 1 ); // this may make bodies kinematic
 		const std::vector<Stage*> stages = play.stages(), others = other.stages();
 		for ( std::size_t s = 0; s < stages.size(); ++s )
 		{
@@ -123,7 +123,7 @@ int runSnapshots( const SceneEntry& entry, const RunSettings& settings )
 			const int bodies = stage.world().softBodyCount(), pieces = stage.world().fragmentCount();
 			stepOn( stage );
 			saved.wanted = save( stage, true );
-			if ( others[s]->world().getGravity() != stage.world().getGravity() ) // a setting of the scene's
+			if ( others[s]->world().getGravity() != stage.world().getGravity() ) // a setting of the scene
 			{
 				others[s]->world().setGravity( stage.world().getGravity() );
 			}

@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | A scene in a window: pause, step, grab, and turn the material's knobs while it runs.                             |
+// | A scene in a window: pause, step, grab, and change the material's settings while it runs.                        |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/play.h"
@@ -21,7 +21,7 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr int kMaxStepsPerPicture = 4; // a slow machine shows slow motion rather than fewer and fewer pictures
+constexpr int kMaxStepsPerPicture = 4; // on a slow machine motion slows down; otherwise the frame rate would fall further and further
 constexpr pliant_glue::Colour kGrabColour = { 0.9f, 0.1f, 0.05f };
 
 btVector3 toBullet( const pliant_glue::Vec3& v )
@@ -34,7 +34,7 @@ pliant_glue::Vec3 fromBullet( const btVector3& v )
 	return { float( v.x() ), float( v.y() ), float( v.z() ) };
 }
 
-/// The knobs of the panel. Multipliers, since each body has its own material.
+/// Sliders of the panel. They are multipliers, because each body has its own material.
 struct Knobs
 {
 	float stiffness = 1, damping = 1, gravity = 9.81f, substeps = 4;
@@ -42,7 +42,7 @@ struct Knobs
 	bool operator==( const Knobs& ) const = default;
 };
 
-/// One life of the scene: made anew by "restart".
+/// One run of the scene; "restart" makes a new one.
 class Life
 {
 public:
@@ -50,7 +50,7 @@ public:
 		m_play( entry, settings.stage ), m_grab( m_play.stage().world() ), m_blade( m_play.stage().world() )
 	{
 		forEachBody( [this]( pliant::SoftBody& body ) {
-			body.setUserIndex3( int( m_materials.size() ) ); // what breaks off has it too
+			body.setUserIndex3( int( m_materials.size() ) ); // pieces inherit it
 			m_materials.push_back( body.material() );
 		} );
 		m_knobs.substeps = float( m_play.stage().world().softSubsteps() );
@@ -103,7 +103,7 @@ private:
 	}
 
 	Play m_play;
-	MouseGrab m_grab; // lets go before the stage falls
+	MouseGrab m_grab; // releases its body before the stage is destroyed
 	MouseBlade m_blade;
 	std::vector<pliant::Material> m_materials;
 	Knobs m_knobs;
@@ -190,7 +190,7 @@ private:
 		}
 	}
 
-	/// The camera of a scene that is played goes along with it.
+	/// Lets the camera follow the one of a scene that is played.
 	void useKeys()
 	{
 		const pliant_glue::WindowKeys held = m_window->keys();
@@ -253,7 +253,7 @@ private:
 	std::unique_ptr<Life> m_life;
 	pliant_glue::WindowPanel m_panel;
 	pliant_glue::DrawList m_list;
-	pliant_glue::Vec3 m_followed = {}; ///< where the scene's camera looked before
+	pliant_glue::Vec3 m_followed = {}; ///< previous target of the scene's camera
 	Knobs m_knobs;
 	double m_unspent = 0;
 	bool m_wasDown = false;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A demo scene: what stands where, what happens while it runs, and where the eye is.
+// A demo scene: its bodies, its events, and its camera.
 
 #include "demos/stage.h"
 #include "demos/story.h"
@@ -12,7 +12,7 @@
 
 namespace pliant_demos {
 
-/// What a player holds down.
+/// Controls that a player holds down.
 struct PlayerKeys
 {
 	float ahead = 0, aside = 0; ///< -1 to 1; aside: to the right
@@ -26,35 +26,35 @@ class Scene
 public:
 	virtual ~Scene() = default;
 
-	/// Put the bodies on the stage. False when one is refused; the stage's status says why.
+	/// Puts the bodies on the stage. False if one is refused; the stage's status has the reason.
 	virtual bool init( Stage& stage ) = 0;
 
-	/// Worlds of their own that stand beside the stage and step with it, so that each one's time is known.
+	/// Additional worlds that step together with the stage, so that the time of each is known.
 	virtual std::vector<Stage*> sideStages() { return {}; }
 
-	/// Called before and after each step of 1/60 s; `seconds` is the time then.
+	/// Called before and after each step of 1/60 s; `seconds` is the present time.
 	virtual void beforeStep( Stage&, double /*seconds*/ ) {}
 	virtual void afterStep( Stage&, double /*seconds*/ ) {}
 
-	/// Called before each picture, skins up to date; may add to it.
+	/// Called before each picture with up-to-date skins; may add to it.
 	virtual void beforePicture( Stage&, pliant_glue::DrawList& ) {}
 
 	/// After the last step, for the table and summary.json.
 	virtual std::vector<FindingTable> findings( const Stage& ) const { return {}; }
-	/// What must have happened once the scene has run its whole length.
+	/// Conditions that must be met after the scene has run its whole length.
 	virtual Story story( const Stage& ) const { return {}; }
 
-	/// In a window, before each step. False for scenes that nobody plays.
+	/// In a window, before each step. False for scenes that cannot be played.
 	virtual bool takeKeys( const PlayerKeys& ) { return false; }
 
-	/// What the scene and the objects that it moves itself carry from step to step beside the world's snapshot (docs/guide/saving.md): a
-	/// value that another run of the scene takes too, before its world is restored.
+	/// State that the scene and the objects that it moves itself carry from step to step, in addition to the world's snapshot
+	/// (docs/guide/saving.md): a value that another run of the scene accepts too, before its world is restored.
 	virtual std::any ownState() const { return {}; }
 	virtual void restoreOwnState( const std::any& ) {}
 
-	/// Length of what happens, s.
+	/// Duration of the scene, s.
 	virtual double duration() const = 0;
-	/// The film shows it so many times slower.
+	/// Factor by which the film is slowed down.
 	virtual int slowness() const { return 1; }
 
 	virtual pliant_glue::DrawCamera camera( double seconds ) const = 0;
@@ -71,10 +71,10 @@ struct SceneEntry
 /// Every scene, in the order of the list; the first is the main one.
 const std::vector<SceneEntry>& sceneList();
 
-/// Null when there is none of that name.
+/// Null if there is no scene of that name.
 const SceneEntry* findScene( const std::string& name );
 
-// One function a file in scenes/.
+// One function for each file in scenes/.
 std::unique_ptr<Scene> makeBarPull();
 std::unique_ptr<Scene> makeBrickWall();
 std::unique_ptr<Scene> makeBulletHit();

@@ -123,7 +123,7 @@ namespace {
 
 using RadiusHeight = std::array<float, 2>;
 
-/// A smooth line through the given points (Catmull and Rom's), in steps of about `step`.
+/// A smooth line through the given points (Catmull and Rom), in steps of about `step`.
 std::vector<RadiusHeight> smoothLine( const std::vector<RadiusHeight>& points, float step )
 {
 	std::vector<RadiusHeight> line;
@@ -148,7 +148,7 @@ std::vector<RadiusHeight> smoothLine( const std::vector<RadiusHeight>& points, f
 	return line;
 }
 
-/// From `from` to `to`, without both.
+/// From `from` to `to`, without these two.
 void straightLine( const RadiusHeight& from, const RadiusHeight& to, float step, std::vector<RadiusHeight>& line )
 {
 	const int cuts = std::max( 1, int( std::ceil( std::hypot( to[0] - from[0], to[1] - from[1] ) / step ) ) );

@@ -1,6 +1,6 @@
 #pragma once
 
-// Closed meshes made in code: what the demos fall back to when no model file can be had.
+// Closed meshes made in code, which the demos use if a model file is missing.
 
 #include "third_party_glue/model_file.h"
 
@@ -17,7 +17,7 @@ pliant_glue::ModelMesh makeSphere( float diameter, int subdivisions );
 /// Lies flat: its axis is y.
 pliant_glue::ModelMesh makeTorus( float radius, float tubeRadius, int around, int along );
 
-/// An open vessel, turned about y: its outer line from the foot up to the lip (radius and height, m), inside it a wall and a bottom of that
+/// An open vessel with the axis y: its outer line from the foot up to the lip (radius and height, m), inside it a wall and a bottom of that
 /// thickness. Rows of triangles are about `row` high.
 pliant_glue::ModelMesh makeVessel( const std::vector<std::array<float, 2>>& line, float wall, float row, int around );
 
@@ -34,10 +34,10 @@ pliant_glue::ModelMesh makeMetaballs( const std::vector<MetaBall>& balls, float 
 
 /// A blob with a few lumps, about 0.6 m across.
 pliant_glue::ModelMesh makeGlob();
-/// Stands in for the Stanford bunny: a body, a head and two ears, about 1 m high like the scaled scan.
+/// Replaces the Stanford bunny: a body, a head and two ears, about 1 m high like the scaled scan.
 pliant_glue::ModelMesh makeBunnyLike();
 
-/// Puts the mesh's bounding box on the origin's centre and makes it `height` high.
+/// Centres the mesh's bounding box at the origin and scales the mesh to the height `height`.
 void fitHeight( pliant_glue::ModelMesh& mesh, float height );
 
 } // namespace pliant_demos

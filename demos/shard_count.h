@@ -1,6 +1,6 @@
 #pragma once
 
-// What became of bodies that broke: counts, sizes and times for a scene's findings.
+// Results of breaking: counts, sizes and times for a scene's findings.
 
 #include "demos/scene.h"
 
@@ -11,8 +11,8 @@ class ShardCount
 public:
 	/// Called after each step.
 	void note( const Stage& stage, double seconds );
-	/// One row: pieces, of how many 90 % of the mass consist, fraction of the mass in pieces of at most `smallCells`, links, area, energy,
-	/// time of the first crack, and times of steps.
+	/// One row: number of pieces, number of pieces that make up 90 % of the mass, fraction of the mass in pieces of at most `smallCells`,
+	/// links, area, energy, time of the first crack, and times of steps.
 	FindingTable table( const Stage& stage, const char* name, int smallCells ) const;
 
 private:
@@ -21,11 +21,11 @@ private:
 	std::vector<double> m_steps; ///< s, from the first crack on
 };
 
-/// A scene that counts what becomes of its bodies.
+/// A scene that counts the pieces of its bodies.
 class ShardScene : public Scene
 {
 public:
-	/// `name`: of what breaks. `smallCells`: as of ShardCount::table.
+	/// `name`: of the breaking body. `smallCells`: as in ShardCount::table.
 	ShardScene( const char* name, int smallCells ) : m_name( name ), m_smallCells( smallCells ) {}
 	void afterStep( Stage& stage, double seconds ) override { m_count.note( stage, seconds ); }
 	std::vector<FindingTable> findings( const Stage& stage ) const override { return { m_count.table( stage, m_name, m_smallCells ) }; }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Numbers vertices by what they are the vertex of, so that neighbouring triangles share them.
+// Numbers vertices by the feature that they belong to (edge or cell), so that neighbouring triangles share them.
 
 #include "demos/marching.h"
 
@@ -9,7 +9,7 @@
 
 namespace pliant_demos {
 
-/// Gives out one vertex number for each key: neighbours that meet on an edge share its vertex.
+/// Returns one vertex number for each key: neighbours that meet at an edge share its vertex.
 template <class Key>
 class SharedVertices
 {

@@ -1,6 +1,6 @@
 #pragma once
 
-// How far two bodies made from the same mesh are from each other, vertex by vertex.
+// Distances between two bodies made from the same mesh, vertex by vertex.
 
 #include <pliant/soft_body.h>
 
@@ -12,14 +12,14 @@ struct SkinDistance
 {
 	std::vector<float> vertex;      ///< m
 	double mean = 0, deviation = 0; ///< over the vertices, m
-	double shape = 0;               ///< mean with the difference of the two middles taken off, m
+	double shape = 0;               ///< mean, without the difference of the two centres, m
 	double largest = 0;             ///< m
 };
 
-/// `apart`: from where `reference` stands to where `body` stands when they are equal.
+/// `apart`: displacement from `reference` to `body` when the two are equal.
 SkinDistance skinDistance( const pliant::SoftBody& body, const pliant::SoftBody& reference, const btVector3& apart );
 
-/// Of the skin as it is now, m.
+/// Of the present skin, m.
 double boxDiagonal( const pliant::SoftBody& body );
 
 /// Red, green, blue for each vertex: teal at 0, ochre halfway, brick at `full` (m) and beyond.

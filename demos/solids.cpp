@@ -58,7 +58,7 @@ float ellipsoid( const Point& p, const Point& centre, const std::array<Point, 3>
 
 float join( float a, float b, float fillet )
 {
-	// A parabola where the two are about equal.
+	// A parabola where the two distances are nearly equal.
 	const float h = std::max( fillet - std::abs( a - b ), 0.0f ) / fillet;
 	return std::max( a, b ) + 0.25f * fillet * h * h;
 }

@@ -12,10 +12,10 @@ float roundBox( const Point& p, const Point& centre, const Point& half, float ra
 /// A rod from `a` to `b` with round ends, thicker at one of them.
 float rod( const Point& p, const Point& a, const Point& b, float radiusA, float radiusB );
 
-/// An ellipsoid turned so that its axes are `axes` (at right angles, of unit length).
+/// An ellipsoid with the given axes (at right angles, of unit length).
 float ellipsoid( const Point& p, const Point& centre, const std::array<Point, 3>& axes, const Point& radii );
 
-/// Both, with a fillet about as wide as `fillet` where they meet.
+/// The union of two solids, with a fillet about as wide as `fillet` where they meet.
 float join( float a, float b, float fillet );
 
 } // namespace pliant_demos

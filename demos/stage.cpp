@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | Makes bodies, keeps them alive as long as the world needs them, and hands them to the renderer as plain data.     |
+// | Makes bodies, keeps them alive as long as the world needs them, and passes them to the renderer as plain data.    |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/stage.h"
@@ -23,7 +23,7 @@ constexpr btScalar kRigidFriction = btScalar( 0.5 );
 
 using Clock = std::chrono::steady_clock;
 
-/// Contact points that no soft body has a part in; the step report counts the others.
+/// Contact points without a soft body; the step report counts the others.
 int rigidContacts( btDiscreteDynamicsWorld& world )
 {
 	int points = 0;
@@ -102,7 +102,7 @@ btRigidBody* Stage::addSphere( btScalar diameter, const btVector3& place, btScal
 	looks.isSphere = true;
 	btRigidBody* ball = addRigid(
 		std::make_unique<btSphereShape>( diameter / 2 ), btTransform( btQuaternion::getIdentity(), place ), mass, std::move( looks ) );
-	ball->setRollingFriction( btScalar( 0.004 ) ); // a ball on a plane would roll for ever
+	ball->setRollingFriction( btScalar( 0.004 ) ); // otherwise a ball on a plane would roll for ever
 	return ball;
 }
 
@@ -111,7 +111,7 @@ void Stage::moveBody( btRigidBody* body, const btTransform& place )
 	body->setCollisionFlags(
 		( body->getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT ) | btCollisionObject::CF_KINEMATIC_OBJECT );
 	body->setActivationState( DISABLE_DEACTIVATION );
-	body->setWorldTransform( place ); // Bullet takes the velocity from here to there
+	body->setWorldTransform( place ); // Bullet derives the velocity from this change of position
 }
 
 void Stage::addConstraint( std::unique_ptr<btTypedConstraint> constraint, bool bodiesCollide )
@@ -187,7 +187,7 @@ void Stage::step( double seconds )
 	m_log.add( m_host->stepReport(), wallSeconds, rigidContacts( *m_world ) );
 }
 
-/// What broke off gets the colour of what it broke off from; what the world has taken out is forgotten.
+/// Pieces get the colour of the body that they broke off from; bodies that the world has removed are forgotten.
 void Stage::followFragments()
 {
 	for ( const pliant::FractureEvent& event : m_host->fractureEvents() )
@@ -197,7 +197,7 @@ void Stage::followFragments()
 			const auto itemOf = [this]( const pliant::SoftBody* body ) {
 				return std::find_if( m_soft.begin(), m_soft.end(), [body]( const SoftItem& item ) { return item.body == body; } );
 			};
-			// A fragment may lie where one was that is gone: it is another all the same.
+			// A fragment may have the address of one that was deleted, and is a different one nevertheless.
 			if ( const auto old = itemOf( fragment ); old != m_soft.end() )
 			{
 				m_soft.erase( old );

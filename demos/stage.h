@@ -1,6 +1,6 @@
 #pragma once
 
-// What a scene stands on: a world, the rigid and soft bodies put into it, and their colours.
+// The stage of a scene: a world, its rigid and soft bodies, and their colours.
 
 #include "demos/explicit_material.h"
 #include "demos/step_log.h"
@@ -27,25 +27,25 @@ struct StageOptions
 	int threads = 1;
 	int softSubsteps = 0; ///< 0: the world's default
 	unsigned seed = 1;
-	bool gpuSkin = false;    ///< skins are left to the renderer
+	bool gpuSkin = false;    ///< the renderer computes the skins
 	std::string modelFolder; ///< holds data/meshes of libcgal-demo; may be missing
 };
 
-/// How a soft body is asked for.
+/// Request for a soft body.
 struct SoftOrder
 {
 	std::string name;
 	const pliant_glue::ModelMesh* mesh = nullptr;
 	int cells = 1000;
-	float cellSize = 0;                                ///< m; 0: what `cells` asks for
-	std::shared_ptr<const pliant::BodyTemplate> shape; ///< when several bodies share one; `mesh` and cells are then not looked at
+	float cellSize = 0;                                ///< m; 0: as `cells` requires
+	std::shared_ptr<const pliant::BodyTemplate> shape; ///< if several bodies share one; `mesh` and cells are then ignored
 	btTransform place = btTransform::getIdentity();
 	pliant::Material material = pliant_demos::explicitMaterial();
 	pliant::Adaptivity adaptivity;
 	pliant::StiffnessField stiffness;
 	pliant::Fracture fracture;
 	pliant::ToughnessField toughness;
-	pliant::CrackSettings cracks; ///< not looked at where `shape` is given
+	pliant::CrackSettings cracks; ///< ignored if `shape` is given
 	btScalar friction = btScalar( 0.5 );
 	pliant_glue::Colour colour = { 0.8f, 0.4f, 0.25f };
 	pliant_glue::Colour insideColour = { -1, -1, -1 }; ///< of the faces of cracks; below 0: `colour`
@@ -54,7 +54,7 @@ struct SoftOrder
 struct StageCounts
 {
 	int softBodies = 0, nodes = 0, links = 0, rigidBodies = 0, triangles = 0;
-	int fragments = 0; ///< of the soft bodies: came off others
+	int fragments = 0; ///< of the soft bodies: number that broke off others
 };
 
 /// Which of Bullet's worlds a stage has.
@@ -72,17 +72,17 @@ public:
 	Stage( const Stage& ) = delete;
 	Stage& operator=( const Stage& ) = delete;
 
-	/// Of a plain stage.
+	/// Of a stage with SoftBodyWorld.
 	pliant::SoftBodyWorld& world() { return *m_plain; }
 	const pliant::SoftBodyWorld& world() const { return *m_plain; }
 	/// Of a stage with multibodies.
 	btMultiBodyDynamicsWorld& multiBodyWorld() { return *m_multiBodies; }
-	/// What every stage's world has.
+	/// Common to the worlds of all stages.
 	pliant::SoftBodyHost& host() { return *m_host; }
 	const StageOptions& options() const { return m_options; }
 	const std::string& name() const { return m_name; }
 	void setName( const std::string& name ) { m_name = name; }
-	/// Steps and is measured, but stands in no picture.
+	/// Takes part in steps and measurements, but is not drawn.
 	void hide() { m_isDrawn = false; }
 
 	/// The plane y = 0.
@@ -90,21 +90,21 @@ public:
 	/// Mass 0 makes a static body.
 	btRigidBody* addBox( const btVector3& size, const btTransform& place, btScalar mass, const pliant_glue::Colour& colour );
 	btRigidBody* addSphere( btScalar diameter, const btVector3& place, btScalar mass, const pliant_glue::Colour& colour );
-	/// A static body becomes kinematic: it moves to `place` and pushes what is in its way.
+	/// A static body becomes kinematic: it moves to `place` and pushes the objects in its path.
 	static void moveBody( btRigidBody* body, const btTransform& place );
 	void addConstraint( std::unique_ptr<btTypedConstraint> constraint, bool bodiesCollide );
-	/// Null when the mesh or the material is refused; `status()` then says why.
+	/// Null if the mesh or the material is refused; `status()` then has the reason.
 	pliant::SoftBody* addSoft( const SoftOrder& order );
 	/// The order's mesh as a template for several bodies. Null as above.
 	std::shared_ptr<const pliant::BodyTemplate> buildShape( const SoftOrder& order );
-	/// Red, green, blue for each vertex of the skin, linear; none: the body's one colour again.
+	/// Red, green, blue for each vertex of the skin, linear; empty: the body's single colour again.
 	void colourVertices( const pliant::SoftBody* body, std::vector<float> colours );
 
-	/// One game step, written into the log.
+	/// One game step, recorded in the log.
 	void step( double seconds );
 	const StepLog& log() const { return m_log; }
 
-	/// The model file if it is there, else the shape from code; which of both is noted.
+	/// The model file if it exists, otherwise the shape from code; records which of the two.
 	pliant_glue::ModelMesh modelOr( const std::string& file, const std::function<pliant_glue::ModelMesh()>& shape );
 	void note( const std::string& sentence ) { m_notes.push_back( sentence ); }
 	const std::vector<std::string>& notes() const { return m_notes; }
@@ -114,7 +114,7 @@ public:
 	/// FNV-1a over the bits of every node and rigid body: equal for equal runs.
 	std::uint64_t stateHash() const;
 
-	/// Brings every skin up to date, which looking at it would do otherwise, and writes the time into the log.
+	/// Updates every skin, which reading the surface would do otherwise, and records the time in the log.
 	void skin();
 
 	/// Adds every body to the picture; nodes as spheres instead of skins when `showNodes`. Meshes are numbered from `firstId`.
@@ -134,14 +134,14 @@ private:
 	{
 		std::unique_ptr<pliant::SoftBody> owned; ///< null for fragments, which belong to the world
 		pliant::SoftBody* body = nullptr;
-		std::uint64_t id = 0; ///< of the mesh that is drawn; no other item of this stage ever has it
+		std::uint64_t id = 0; ///< of the drawn mesh; unique among the items of this stage
 		pliant_glue::Colour colour = { 0, 0, 0 };
 		std::vector<float> vertexColours;
 		pliant_glue::Colour insideColour = { -1, -1, -1 };
-		unsigned colouredVersion = 0; ///< topology whose crack faces vertexColours shows
+		unsigned colouredVersion = 0; ///< topology for whose crack faces vertexColours are valid
 	};
 
-	/// What is drawn of a body, whoever skins it.
+	/// Data of a body's drawing, wherever its skin is computed.
 	struct ShownMesh
 	{
 		unsigned topologyVersion;
@@ -162,7 +162,7 @@ private:
 	StepLog m_log;
 	bool m_isSkinned = false; // since the last step
 	bool m_isDrawn = true;
-	// Bullet asks that the world goes first and what it points to afterwards: members die from the bottom up.
+	// Bullet requires that the world is deleted before the objects that it points to: members are destroyed from the bottom up.
 	std::unique_ptr<btCollisionConfiguration> m_configuration;
 	std::unique_ptr<btCollisionDispatcher> m_dispatcher;
 	std::unique_ptr<btBroadphaseInterface> m_broadphase;

@@ -88,7 +88,7 @@ void Stage::skin()
 	}
 }
 
-/// Vertices of crack faces belong to them alone: the normals have a crease at the border.
+/// Vertices of crack faces belong to these faces alone, since normals have a crease at the border.
 void Stage::colourCracks( SoftItem& item ) const
 {
 	const ShownMesh skin = shownMesh( *item.body );

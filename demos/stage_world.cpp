@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | A stage's world, of one of Bullet's classes, and how it comes down.                                               |
+// | A stage's world, of one of Bullet's classes, and its destruction.                                                 |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/stage.h"

@@ -1,5 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | Medians, because a shared machine stretches single steps; maxima, because a game drops frames by them.            |
+// | Medians, because other load on a shared machine prolongs single steps; maxima, because these make a game drop     |
+// | frames.                                                                                                           |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/step_log.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where each step's time went, and what it met: medians and maxima for the table and summary.json.
+// Times of the parts of each step, and its counts: medians and maxima for the table and summary.json.
 
 #include <pliant/soft_body_world.h>
 
@@ -20,10 +20,10 @@ inline double secondsSince( std::chrono::steady_clock::time_point begin )
 class StepLog
 {
 public:
-	/// `wallSeconds` is the whole of stepSimulation as seen from outside.
+	/// `wallSeconds`: duration of the whole call of stepSimulation.
 	void add( const pliant::StepReport& report, double wallSeconds, int rigidContacts );
 
-	/// Skins are made when they are asked for, once a frame, not within a step.
+	/// Skins are computed when they are read, once a frame, not within a step.
 	void addSkinning( double seconds ) { m_skinning.push_back( seconds ); }
 
 	std::size_t skinnings() const { return m_skinning.size(); }
@@ -37,11 +37,11 @@ public:
 	int quarantined() const { return m_quarantined; }
 	int unreachableStiffness() const { return m_unreachable; }
 
-	/// ms: the whole of a step, and the part of it that moves the soft bodies' nodes.
+	/// ms: the whole step, and the part of it that moves the soft bodies' nodes.
 	double medianStep() const;
 	double longestStep() const;
 	double medianMatching() const;
-	/// ms a picture, all bodies.
+	/// ms a picture, for all bodies.
 	double medianSkinning() const;
 
 	/// Rows of stage, median and maximum, ms.

@@ -1,6 +1,6 @@
 #pragma once
 
-// What must have happened by the end of a scene: a scene that went another way fails.
+// Conditions that a scene must have met at its end; otherwise its run fails.
 
 #include <limits>
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace pliant_demos {
 
-/// What a scene has measured: rows of numbers under headings.
+/// Measurements of a scene: rows of numbers under headings.
 struct FindingTable
 {
 	struct Row
@@ -24,13 +24,13 @@ struct FindingTable
 class Story
 {
 public:
-	/// `what`: with its unit. A number that is not finite fails.
+	/// `what`: name and unit. A number that is not finite fails.
 	void atLeast( const std::string& what, double found, double least );
 	void atMost( const std::string& what, double found, double most );
 
-	/// A row for each point: what was found, and what is wanted.
+	/// A row for each condition: the number found, and its bounds.
 	FindingTable table() const;
-	/// A sentence for each point that did not come about.
+	/// A sentence for each condition that is not met.
 	std::vector<std::string> failures() const;
 
 private:

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Installs what the study needs, builds it, and runs it: error against run time for a mesh of yours. Results land in out/study_<mesh>/:
-# study.html (one page that needs nothing beside it), study.csv, study.json and runs.jsonl. Stopped, it goes on where it was.
+# Installs what the study needs, builds it, and runs it: error against run time for the user's mesh. Writes to out/study_<mesh>/:
+# study.html (a self-contained page), study.csv, study.json and runs.jsonl. A run that was stopped continues where it was.
 #
 # Usage: demos/study.sh [options of pliant_study ...]       e.g. demos/study.sh --mesh rabbit.obj --scene all --budget 1ms
 #
-#   --help          names them all
-#   --full          everything there is, for hours, into docs/study/ (demos/study_full.sh)
+#   --help          lists all options
+#   --full          everything, for hours, into docs/study/ (demos/study_full.sh)
 #
-# Environment: BUILD_DIR (default: build beside this repository's README), JOBS, CMAKE_ARGS, CXX.
+# Environment: BUILD_DIR (default: build in the repository's root), JOBS, CMAKE_ARGS, CXX.
 set -euo pipefail
 
 root=$( cd "$( dirname "${BASH_SOURCE[0]}" )/.." && pwd )

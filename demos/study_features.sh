@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# What each feature costs: instructions (counted by valgrind's callgrind, the same each time), time, memory and binary size; off, idle and working.
-# And what it costs where it is off: the whole library against one that was built without it (PLIANT_WITH_...=OFF).
+# The cost of each feature: instructions (counted by valgrind's callgrind, the same in every run), time, memory and binary size; off, idle and working.
+# Also the cost of a feature that is off: the whole library compared with one built without it (PLIANT_WITH_...=OFF).
 #
 # Usage: demos/study_features.sh [--out folder] [--steps N]      [out/features, 20 game steps]
 #
-# Environment: BUILD_DIR (default: build beside this repository's README), JOBS, CMAKE_ARGS, CXX.
+# Environment: BUILD_DIR (default: build in the repository's root), JOBS, CMAKE_ARGS, CXX.
 set -euo pipefail
 
 root=$( cd "$( dirname "${BASH_SOURCE[0]}" )/.." && pwd )

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The whole study, into docs/study/: error against run time of three meshes in all scenes, material benchmarks, stability, scale, and what each
-# feature costs; with the machine named. Takes hours; stopped, it goes on where it was when it is called again.
+# The whole study, into docs/study/: error against run time of three meshes in all scenes, material benchmarks, stability, scale, and the
+# cost of each feature, with the name of the processor. Takes hours; a run that was stopped continues when it is called again.
 #
 # Usage: demos/study.sh --full          (which builds first, and then calls this)
 #
-# Environment: OUT (default: out/full), PARTS (default: materials features scale study stability), and what demos/study.sh takes.
+# Environment: OUT (default: out/full), PARTS (default: materials features scale study stability), and those of demos/study.sh.
 set -euo pipefail
 
 root=$( cd "$( dirname "${BASH_SOURCE[0]}" )/.." && pwd )
@@ -16,7 +16,7 @@ parts=${PARTS:-materials features scale study stability}
 readonly meshes=( bunny bar cube ) features=(--out "$out/features")
 mkdir -p "$out" "$docs"
 
-# Each part leaves a log; one that is there is not run again. The program ends with 3 where something is out of its bounds, which the log says.
+# Each part writes a log; a part with a log is not run again. The exit code is 3 if a result is out of its bounds, which the log shows.
 part() # name command ...
 {
 	local name=$1 code=0
@@ -51,7 +51,7 @@ for name in $parts; do
 	esac
 done
 
-# What is small goes into the docs: tables and logs. Pages and pictures stay in $out.
+# Small files go into the docs: tables and logs. Pages and pictures stay in $out.
 for file in materials/materials.csv stability/stability.csv scale/scale.csv features/features.csv; do
 	[ ! -f "$out/$file" ] || cp "$out/$file" "$docs/"
 done

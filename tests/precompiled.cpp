@@ -1,1 +1,1 @@
-// Empty: with this, what all tests include is compiled once (tests/CMakeLists.txt).
+// Empty: compiles the common includes of all tests once (tests/CMakeLists.txt).

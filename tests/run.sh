@@ -5,7 +5,7 @@
 #
 #   --full          the long tests too
 #
-# Environment: BUILD_DIR (default: build beside this repository's README), JOBS (default: the number of processors), CMAKE_ARGS (more
+# Environment: BUILD_DIR (default: build in the repository's root), JOBS (default: the number of processors), CMAKE_ARGS (more
 # options for CMake), CXX (the compiler).
 set -euo pipefail
 

@@ -1,7 +1,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | bar_pull: bars drawn out until they break, by planes across the largest stretch and by the distance between       |
-// | cells (Ohta et al. 2009, "Fracturing"). The bars lie at angles in their lattices; turned, they look alike. What   |
-// | they break at should be what was set, whatever the angle.                                                        |
+// | bar_pull: bars stretched until they break, by planes across the largest stretch and by the distance between cells |
+// | (Ohta et al. 2009, "Fracturing"). The bars lie at different angles in their lattices, and are rotated so that     |
+// | they look alike. They should break at the strain set, at any angle.                                               |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/must_succeed.h"
@@ -19,28 +19,28 @@ namespace {
 
 constexpr float kBarPullLength = 1.6f, kThickness = 0.32f; // m
 constexpr float kBarPullCell = 0.04f;                      // m: forty along, eight across
-constexpr int kBarPullCuts = 80;                         // of the mesh's faces: what is drawn of a piece ends with its last whole triangles
-constexpr float kBarPullGrip = 0.16f, kShoulder = 0.16f; // m: held, and unbreakable beside it, as a specimen is thicker where it is held
+constexpr int kBarPullCuts = 80;                           // of the mesh's faces: the drawing of a piece ends with its last whole triangles
+constexpr float kBarPullGrip = 0.16f, kShoulder = 0.16f;   // m: held, and unbreakable next to it, as a specimen is thicker where it is held
 constexpr float kFree = kBarPullLength / 2 - kBarPullGrip; // m from the middle to a grip
 constexpr float kBreakStrain = 0.1f;
-constexpr float kRate = 0.05f;       // of strain a second: sound runs along the bar many times meanwhile
-constexpr float kRateParted = 0.25f; // so that the gap is seen
+constexpr float kRate = 0.05f;       // of strain a second: slow compared with the travel time of sound along the bar
+constexpr float kRateParted = 0.25f; // faster, so that the gap becomes visible
 constexpr double kDrawn = 5.2;       // s of film
-constexpr double kMaxStrain = 0.45;  // of what has parted: then it is left alone
+constexpr double kMaxStrain = 0.45;  // of bars that have parted: then they are no longer pulled
 constexpr btScalar kBarPullHeight = btScalar( 0.35 ), kBarPullApart = btScalar( 0.62 );
 
 struct Specimen
 {
 	const char* name;
 	pliant::BreakRule rule;
-	double degrees; ///< between the bar and its lattice
+	double degrees; ///< angle between the bar and its lattice
 	pliant::SoftBody* body = nullptr;
-	double z = 0, strain = 0;     ///< m; of the grips by now
+	double z = 0, strain = 0;     ///< present values, m and strain, of the grips
 	double first = 0, parted = 0; ///< strains; 0: not yet
 	int links = 0;                ///< broken
 };
 
-/// Middle and direction of the bar in the mesh's coordinates: the mesh is turned in the lattice, about its own middle, which is the origin.
+/// Centre and direction of the bar in the mesh's coordinates: the mesh is rotated in the lattice about its own centre, the origin.
 struct Shoulders
 {
 	float along[3];
@@ -102,7 +102,7 @@ public:
 			Specimen& bar = m_bars[std::size_t( event.parent->getUserIndex2() )];
 			bar.links += event.links;
 			bar.first = bar.first > 0 ? bar.first : bar.strain;
-			// Splinters are not the end of a bar: its two grips are then in two bodies.
+			// A bar that loses splinters has not parted: it has when its two grips are in two bodies.
 			bar.parted = bar.parted > 0 || !isApart( stage, bar ) ? bar.parted : bar.strain;
 		}
 	}
@@ -178,14 +178,14 @@ private:
 			btVector3( btScalar( kBarPullLength ), high, z + kBarPullApart / 2 ) );
 		for ( int i = 0; i < bar.body->nodeCount(); ++i )
 		{
-			// Begins in even motion: nothing runs to and fro in it.
+			// Starts with the velocities of uniform stretching, so that no waves run along the bar.
 			const btScalar speed = btScalar( kRate ) * bar.body->nodePosition( i ).x();
 			mustSucceed( bar.body->applyImpulse( btVector3( speed * bar.body->nodeMass( i ), 0, 0 ), i ) );
 		}
 		return true;
 	}
 
-	/// Moves the grips outward, in whichever pieces they are by now.
+	/// Moves the grips outward, in whatever pieces they are.
 	static void pull( Stage& stage, const Specimen& bar, btScalar far )
 	{
 		for ( int k = 0; k < stage.world().softBodyCount(); ++k )

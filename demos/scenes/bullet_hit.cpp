@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | bullet_hit: a ball at 60 m/s hits a soft block, another goes into foam and comes back, and a soft ball at       |
-// | 60 m/s meets a wall of a millimetre; slowed down in the film. What each gave on and kept:                       |
+// | bullet_hit: a ball at 60 m/s hits a soft block, another sinks into foam and rebounds, and a soft ball at 60 m/s |
+// | meets a wall of a millimetre; slowed down in the film. The momentum that each passed on and kept:               |
 // | docs/design/contacts.md.                                                                                        |
 // +-----------------------------------------------------------------------------------------------------------------+
 

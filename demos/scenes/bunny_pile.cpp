@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | bunny_pile, the main scene: soft and rigid bodies meet, roll and pile up, and a joint is in their way.            |
+// | bunny_pile, the main scene: soft and rigid bodies meet, roll and pile up, with a hinged door in their path.       |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/must_succeed.h"
@@ -88,7 +88,7 @@ private:
 	static void addLooseBodies( Stage& stage )
 	{
 		std::mt19937 random( stage.options().seed );
-		// mt19937's numbers are the same everywhere; the standard distributions' are not.
+		// The numbers of mt19937 are the same on every system; those of the standard distributions are not.
 		const auto between = [&]( btScalar low, btScalar high ) {
 			return low + ( high - low ) * btScalar( random() ) / btScalar( 4294967296.0 );
 		};

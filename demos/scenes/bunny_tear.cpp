@@ -1,7 +1,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 // | bunny_tear: Ohta et al. 2009, figures 5 b and 7 a-c. A bunny held by its head is torn by its weight, which is     |
-// | put on it slowly. Nodes are split where it is about to tear and merged again afterwards; beside it is the same    |
-// | bunny whose nodes are never merged.                                                                              |
+// | applied slowly. Nodes are split where it is about to tear and merged again afterwards; a second bunny's nodes are |
+// | never merged.                                                                                                     |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"
@@ -17,18 +17,18 @@ namespace {
 
 constexpr float kBunnyTearHeight = 0.8f; // m
 constexpr int kBunnyTearCells = 2000;
-constexpr int kBunnyTearCoarseLevels = 1;             // what breaks is two cells a level away from big nodes: with more, cracks stop early
-constexpr btScalar kBunnyTearLift = btScalar( 1.25 ); // m of the bunny's middle above the ground
-constexpr btScalar kBunnyTearApart = btScalar( 1.1 ); // m from one bunny to the other
+constexpr int kBunnyTearCoarseLevels = 1;                 // with more levels cracks stop early next to coarse nodes
+constexpr btScalar kBunnyTearLift = btScalar( 1.25 );     // m of the bunny's middle above the ground
+constexpr btScalar kBunnyTearApart = btScalar( 1.1 );     // m from one bunny to the other
 constexpr btScalar kBunnyTearHeldFrom = btScalar( 0.13 ); // m above its middle: head and ears
-constexpr btScalar kRolling = btScalar( 0.02 );           // m: what has come off would roll to and fro for as long as the film
+constexpr btScalar kRolling = btScalar( 0.02 );           // m: without it pieces would roll to and fro throughout the film
 constexpr double kFullWeightAt = 2.0;                     // s
 constexpr btScalar kGravity = btScalar( 9.81 );           // m/s^2
 constexpr float kNever = 60.0f;                           // s of mergeDelay: longer than the film
 constexpr double kBunnyTearDuration = 16.0;               // s
-constexpr double kRow = 1.0;                              // s of film to a row of the table
-constexpr double kMerged = 1.0;                           // s after the last crack: what can be merged has been, and all is still awake
-constexpr double kSettled = 10.0;                         // s after the last crack that a step should cost what it did before the first
+constexpr double kRow = 1.0;                              // s of film for each row of the table
+constexpr double kMerged = 1.0;   // s after the last crack: nodes that can be merged have been, and all bodies are still awake
+constexpr double kSettled = 10.0; // s after the last crack, when a step should cost as much as before the first one
 
 struct Hanging
 {
@@ -68,11 +68,11 @@ public:
 		order.material.damping = 50.0f;
 		order.adaptivity.coarseLevels = kBunnyTearCoarseLevels;
 		order.adaptivity.keepMass = 0.1f;
-		order.adaptivity.refineStrain = 1.0f;   // half of what breaks it, as for all that breaks
+		order.adaptivity.refineStrain = 1.0f;   // half of the breaking stretch, as for every body that breaks
 		order.adaptivity.mergeFraction = 0.95f; // it lies under its own weight afterwards
 		order.adaptivity.mergeDelay = 0.25f;
 		order.fracture.rule = pliant::BreakRule::Plane;
-		order.fracture.breakStrain = 0.38f;    // little less than what its weight brings about
+		order.fracture.breakStrain = 0.38f;    // a little below the strain that its weight causes
 		order.fracture.growthFraction = 0.25f; // a tear runs through and leaves few crumbs
 		order.fracture.coolDown = 0.1f;
 		order.shape = stage.buildShape( order );

@@ -1,7 +1,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 // | elephants: Ohta et al. 2009, figure 7 d-i and "Results". Five, ten and fifteen elephants fall on each other and   |
-// | break; what touches the pink ball sticks to it. Each number has a world of its own, so that what each costs is    |
-// | known; fifteen are in the picture.                                                                               |
+// | break; bodies that touch the pink ball stick to it. Each number of bodies has a world of its own, so that the     |
+// | cost of each is known; the picture shows fifteen.                                                                 |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/must_succeed.h"
@@ -65,10 +65,10 @@ public:
 		order.material.density = 300.0f;
 		order.material.youngsModulus = 3.0e4f;
 		order.material.damping = 25.0f;
-		order.material.elasticity = pliant::Elasticity::Automatic; // one step a frame, for nine explicit ones
+		order.material.elasticity = pliant::Elasticity::Automatic; // one step a frame, instead of nine explicit ones
 		order.adaptivity.coarseLevels = kElephantsCoarseLevels;
 		order.adaptivity.keepMass = 0.1f;
-		order.adaptivity.refineStrain = 1.0f;  // half of what breaks it, as for all that breaks
+		order.adaptivity.refineStrain = 1.0f;  // half of the breaking stretch, as for every body that breaks
 		order.adaptivity.mergeFraction = 0.9f; // they lie under each other's weight
 		order.fracture.rule = pliant::BreakRule::Plane;
 		order.fracture.breakStrain = 0.75f; // some lose a limb; nodes are split at half of it
@@ -114,7 +114,7 @@ public:
 		{
 			stick( herd );
 			const std::size_t before = herd.stage->log().skinnings();
-			herd.stage->skin(); // in each step, as a game that draws 60 pictures a second would
+			herd.stage->skin(); // in each step, as in a game that draws 60 pictures a second
 			herd.skinning.push_back( herd.stage->log().skinnings() > before ? herd.stage->log().lastSkinning() : 0 );
 			herd.reports.push_back( herd.stage->world().stepReport() );
 			herd.fragments += herd.reports.back().fragments;
@@ -159,7 +159,7 @@ public:
 		}
 		// cost ~ bodies^exponent, from 5 to 15; the paper's 45 to 7 frames a second make 1.7.
 		const double ratio = std::log( double( kHerds[0] ) / double( kHerds[2] ) );
-		// Of awake nodes too: what more things happen to for longer costs more, whatever a node costs.
+		// Against awake nodes too: many bodies are awake for longer and cost more for that reason, apart from the cost of a node.
 		FindingTable exponent{ "exponent of cost over bodies, 5 to 15", { "in all", "ours", "awake nodes", "the paper" },
 			{ { "exponent",
 				{ std::log( totals[0] / totals[2] ) / ratio, std::log( own[0] / own[2] ) / ratio,
@@ -179,7 +179,7 @@ private:
 		herd.ball = herd.stage->addSphere( kElephantsBall, btVector3( 0, kBallHeight, 0 ), 0, kPink );
 		const pliant_glue::Colour colours[] = { kSlate, kOchre, kTeal, kTerracotta, kPlum };
 		std::mt19937 random( herd.stage->options().seed );
-		// mt19937's numbers are the same everywhere; the standard distributions' are not.
+		// The numbers of mt19937 are the same on every system; those of the standard distributions are not.
 		const auto between = [&]( btScalar low, btScalar high ) {
 			return low + ( high - low ) * btScalar( random() ) / btScalar( 4294967296.0 );
 		};
@@ -196,8 +196,8 @@ private:
 			{
 				return false;
 			}
-			// As fast as if it had fallen from the top layer of fifteen, whatever layer it begins in: each of five brings as much energy as
-			// each of fifteen. Thrown alike, what more bodies cost would be mixed up with what higher falls do.
+			// As fast as after a fall from the top layer of fifteen, in any layer: each of five has as much energy as each of fifteen. With
+			// equal initial velocities the cost of more bodies would be mixed up with the effect of higher falls.
 			const btScalar fallen = kLayer * btScalar( kTopLayer - layer );
 			mustSucceed(
 				elephant->setLinearVelocity( btVector3( 0, -std::sqrt( -2 * herd.stage->world().getGravity().y() * fallen ), 0 ) ) );
@@ -205,7 +205,7 @@ private:
 		return true;
 	}
 
-	/// Pins every node that touches the ball where it is.
+	/// Pins every node that touches the ball at its present position.
 	static void stick( Herd& herd )
 	{
 		btDispatcher& dispatcher = *herd.stage->world().getDispatcher();
@@ -218,7 +218,7 @@ private:
 			{
 				continue;
 			}
-			auto* soft = pliant::SoftBody::upcast( const_cast<btCollisionObject*>( other ) ); // Bullet hands it out const
+			auto* soft = pliant::SoftBody::upcast( const_cast<btCollisionObject*>( other ) ); // Bullet returns it as const
 			for ( int k = 0; soft != nullptr && k < manifold.getNumContacts(); ++k )
 			{
 				const btManifoldPoint& point = manifold.getContactPoint( k );

@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | flowers: Steinemann et al. 2008, figure 6. Forty flowers in the wind, each of about 140 big nodes; where a finger |
-// | touches one its nodes are split down to the finest cells, and merged again when it has come to rest.             |
+// | flowers: Steinemann et al. 2008, figure 6. Forty flowers in the wind, each of about 140 coarse nodes. Where a     |
+// | finger touches one, its nodes are split down to the finest cells; they are merged again when it has come to rest. |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/creatures.h"
@@ -22,7 +22,7 @@ constexpr btScalar kFlowersSpacing = btScalar( 0.55 );
 constexpr int kFlowersCoarseLevels = 2;
 constexpr float kFinestCell = 0.0148f;             // m: four in a petal's thickness
 constexpr float kPetalFraction = 0.25f;            // of the stem's stiffness
-constexpr float kKeepAll = 1e-6f;                  // every block is one node at first, however little of it is filled
+constexpr float kKeepAll = 1e-6f;                  // every block is one node at first, however small its fill
 constexpr btScalar kFootHeight = btScalar( 0.06 ); // m of the stem that is held
 constexpr btScalar kWind = btScalar( 0.6 );        // m/s^2 on a petal in the strongest gust
 constexpr btScalar kFingerThickness = btScalar( 0.10 ), kFingerHeight = btScalar( 0.58 );
@@ -45,7 +45,7 @@ public:
 		order.material.wobbleDamping = 0.1f;
 		order.adaptivity.coarseLevels = kFlowersCoarseLevels;
 		order.adaptivity.keepMass = kKeepAll;
-		order.adaptivity.softening = pliant::Softening::None; // as in the paper: big nodes are stiffer, and stems stand by that
+		order.adaptivity.softening = pliant::Softening::None; // as in the paper: coarse nodes are stiffer, which keeps stems upright
 		order.adaptivity.residual = pliant::ResidualRule::Keep;
 		order.adaptivity.refinesOnContact = true;
 		order.adaptivity.refineStrain = 0.5f;
@@ -111,7 +111,7 @@ public:
 	pliant_glue::DrawLight light() const override { return { { -0.45f, 0.75f, 0.45f }, { 0, 0.3f, 0 }, 3.4f }; }
 
 private:
-	/// ms that so many of the frames that split nodes do not exceed, less the median of the others.
+	/// ms that this fraction of the frames with splits does not exceed, minus the median of the others.
 	double costOfTouch( double fraction ) const
 	{
 		const auto at = []( std::vector<double> seconds, double part ) {
@@ -132,7 +132,7 @@ private:
 		{
 			return;
 		}
-		mustSucceed( flower->setGravity( btVector3( 0, 0, 0 ) ) ); // growing things have grown against it
+		mustSucceed( flower->setGravity( btVector3( 0, 0, 0 ) ) ); // plants have grown under gravity
 		flower->pinNodesInside( btVector3( x - 1, -1, z - 1 ), btVector3( x + 1, kFootHeight, z + 1 ) );
 		const pliant_glue::Colour petals[] = { kBrick, kOchre, kPlum, kTerracotta };
 		std::vector<float> colours;

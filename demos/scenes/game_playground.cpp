@@ -1,8 +1,8 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 // | game_playground: a small level of a game. A character walks over soft ground, jumps onto a soft crate and pushes  |
-// | a soft block onto a plate, which opens a gate and starts a fan; it goes on through a door with a soft panel. A car |
-// | drives through the gate, over a soft hump, tears a soft ball off its chain, and breaks a wall and what is behind. |
-// | Without a window all this follows a script; in a window the first key takes it over.                             |
+// | a soft block onto a plate, which opens a gate and starts a fan; it leaves through a door with a soft panel. A car |
+// | drives through the gate, over a soft hump, tears a soft ball off its chain, and breaks a wall and the boxes       |
+// | behind it. All this follows a script; in a window the first key starts manual control.                            |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/actors.h"
@@ -23,10 +23,10 @@ constexpr btScalar kEngine = 1000, kCarBrake = 30;                             /
 constexpr btScalar kSteer = btScalar( 0.35 );                                  // rad, of a player's
 constexpr btScalar kCarStopsAt = btScalar( 6.2 );                              // m
 constexpr double kGateIsOpen = 1.2;                                            // rad
-constexpr btScalar kHard = 2;                                                  // N s: what counts as a hit of the car
+constexpr btScalar kHard = 2;                                                  // N s: a larger impulse counts as a hit of the car
 constexpr double kHitsShown = 15;                                              // turn the lamp red
 
-/// Where the walker goes, one after the other.
+/// Targets of the walker, in order.
 struct Waypoint
 {
 	btScalar x, z;

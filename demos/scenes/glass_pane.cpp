@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | glass_pane: a steel ball flies through a pane of glass. The shards lie in rings around the place that it hits        |
-// | (ShardPattern::Rings); those at the edge stay in the frame.                                                         |
+// | glass_pane: a steel ball flies through a pane of glass. The shards lie in rings around the point of impact           |
+// | (ShardPattern::Rings); those at the edge stay in the frame.                                                          |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"
@@ -16,7 +16,7 @@ constexpr float kGlassPaneWidth = 1.2f, kHeight = 0.9f, kGlassPaneThickness = 0.
 constexpr float kGlassPaneCell = 0.02f;                                              // m
 constexpr btScalar kFoot = btScalar( 0.25 );                                         // m, under the pane
 constexpr btScalar kFrame = btScalar( 0.06 );                                        // m thick
-constexpr btScalar kHold = btScalar( 0.03 );                                         // m of the pane that the frame holds
+constexpr btScalar kHold = btScalar( 0.03 );                                         // m, width of the border that the frame holds
 constexpr btScalar kBall = btScalar( 0.09 );                                         // m across
 constexpr btScalar kGlassPaneBallMass = btScalar( 3 );                               // kg
 constexpr btScalar kGlassPaneSpeed = btScalar( 14 );                                 // m/s
@@ -44,7 +44,7 @@ public:
 		order.fracture.rule = pliant::BreakRule::Shards;
 		order.fracture.breakStrain = 0.02f;
 		order.fracture.shardSize = 0.09f;
-		order.fracture.toughness = 2.0f; // cracks run far beyond what the ball punches out
+		order.fracture.toughness = 2.0f; // cracks run far beyond the hole of the ball
 		order.fracture.shardPattern = pliant::ShardPattern::Rings;
 		order.fracture.crumbFraction = 0.03f;
 		order.fracture.smallCells = kGlassPaneCrumb;

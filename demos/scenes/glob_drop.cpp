@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | glob_drop: the experiment of Ohta et al. 2009, figure 6. The same Glob falls once on the uniform lattice and      |
-// | beside it with each method that knows levels; colour is the distance to the uniform one.                         |
+// | glob_drop: the experiment of Ohta et al. 2009, figure 6. The same Glob falls on the uniform lattice and, next to  |
+// | it, with each method with levels; the colour is the distance to the uniform one.                                  |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"
@@ -19,8 +19,8 @@ constexpr int kGlobDropCells = 1400;
 constexpr int kGlobDropCoarseLevels = 2;
 constexpr btScalar kGlobDropApart = btScalar( 0.95 ); // m from one Glob to the next
 constexpr btScalar kDropHeight = btScalar( 0.7 );     // m, of the middle: about half a bounding-box diagonal to fall
-constexpr double kFullColour = 0.15;                  // share of the bounding-box diagonal that is drawn in brick
-// The paper's step is one of our substeps; it reports 180 of them after the impact. Before 80 the bodies have not begun to tumble.
+constexpr double kFullColour = 0.15;                  // fraction of the bounding-box diagonal that is drawn in brick
+// A step of the paper is one of our substeps; it reports 180 of them after the impact. Before step 80 the bodies have not begun to tumble.
 constexpr int kEarlyStep = 20, kLastStep = 45; // game steps of four substeps
 constexpr int kReportEvery = 5;
 constexpr float kRefineStrain = 0.15f;
@@ -35,7 +35,7 @@ std::vector<Method> methods()
 {
 	pliant::Adaptivity ours;
 	ours.coarseLevels = kGlobDropCoarseLevels;
-	ours.residual = pliant::ResidualRule::Soften; // a hard fall leaves lumps where the residual is softer than that
+	ours.residual = pliant::ResidualRule::Soften; // a hard fall leaves lumps with a softer residual
 	pliant::Adaptivity refined = ours;
 	refined.refineStrain = kRefineStrain;
 	return { { "Steinemann", pliant::steinemannAdaptivity( kGlobDropCoarseLevels ) },
@@ -60,9 +60,9 @@ public:
 		order.mesh = &mesh;
 		order.cells = kGlobDropCells;
 		order.material.density = 300.0f;
-		order.material.youngsModulus = 2.3e4f; // waves of 7 m/s: the impact comes at half of that
+		order.material.youngsModulus = 2.3e4f; // waves of 7 m/s: twice the velocity of the impact
 		order.material.damping = 2.0f;
-		order.material.wobbleDamping = 0.0f; // the papers' bodies ring
+		order.material.wobbleDamping = 0.0f; // the papers' bodies are undamped
 		order.shape = stage.buildShape( order );
 		if ( order.shape == nullptr )
 		{
@@ -161,7 +161,7 @@ private:
 
 	pliant::SoftBody* drop( Stage& stage, SoftOrder order, int place ) const
 	{
-		// Which side it falls on is the seed's: what comes after the impact is chaotic, and one run proves nothing.
+		// The seed determines on which side it falls: the motion after the impact is chaotic, and one run proves nothing.
 		std::mt19937 random( stage.options().seed );
 		const auto next = [&] { return btScalar( random() ) / btScalar( std::mt19937::max() ) - btScalar( 0.5 ); };
 		const btVector3 axis = btVector3( next(), next(), next() ).normalized();

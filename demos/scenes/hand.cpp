@@ -1,7 +1,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 // | hand: Steinemann et al. 2008, figure 4. One hand, its little finger soft and its thumb hard; the same force pulls |
-// | at every finger's tip. Beside it, not in the picture, the same hand of one stiffness: what the stiffness alone    |
-// | does to each finger is the ratio of the two.                                                                      |
+// | at the tip of every finger. A second hand of uniform stiffness is not drawn: the ratio of the two deflections is  |
+// | the effect of the stiffness alone.                                                                                |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/creatures.h"
@@ -18,13 +18,13 @@ namespace {
 
 constexpr int kHandCells = 4000;
 constexpr int kHandCoarseLevels = 2;
-constexpr float kHandKeepMass = 0.95f;         // full blocks only: a big node across a finger would share its softness with the palm
-constexpr btScalar kHeldTo = btScalar( 0.30 ); // m: wrist and palm are held, so that only the fingers give way
+constexpr float kHandKeepMass = 0.95f;         // full blocks only: a coarse node across a finger would mix its stiffness with the palm's
+constexpr btScalar kHeldTo = btScalar( 0.30 ); // m: wrist and palm are held, so that only the fingers deform
 constexpr btScalar kThumbSide = btScalar( -0.12 );
 constexpr btScalar kHandPull = btScalar( 0.6 );                        // N at each tip
 constexpr btScalar kHandGrip = btScalar( 0.07 );                       // m around a tip that is pulled
 constexpr double kPullFrom = 0.4, kPullFullAt = 1.0, kPullUntil = 2.4; // s
-constexpr float kYoungsModulus = 8.0e4f; // Pa, of the thumb; the rest has a share of it. About what 16 substeps reach
+constexpr float kYoungsModulus = 8.0e4f; // Pa, of the thumb; the rest has a fraction of it. About the reach of 16 substeps
 constexpr float kPalmFraction = 0.8f;
 constexpr float kDigitFraction[] = { 1.0f, 0.8f, 0.8f, 0.8f, 0.15f };
 constexpr const char* kDigitNames[] = { "thumb", "index finger", "middle finger", "ring finger", "little finger" };
@@ -127,13 +127,14 @@ public:
 				}
 				if ( seconds <= kPullUntil )
 				{
-					tip.deflection = double( ( placeOf( *hand, tip ) - tip.rest ).length() ); // what stays is that of the pull held
+					tip.deflection = double(
+						( placeOf( *hand, tip ) - tip.rest ).length() ); // the last value is the one under the constant pull
 				}
 			}
 		}
 	}
 
-	/// The pull as a rod out of each tip.
+	/// The pull as a rod at each tip.
 	void beforePicture( Stage&, pliant_glue::DrawList& list ) override
 	{
 		const float length = 0.25f * float( m_pull / kHandPull ), thickness = 0.012f;
@@ -147,8 +148,8 @@ public:
 
 	std::vector<FindingTable> findings( const Stage& ) const override
 	{
-		// Less than the stiffness says for a finger alone: all of them lean on the palm, which gives, and are themselves only a radius
-		// beyond it.
+		// Less than the stiffness of a single finger predicts: all of them are attached to the palm, which deforms, and have their own
+		// stiffness only from a radius beyond it on.
 		FindingTable table{
 			"the same pull at every tip, held, m", { "deflection", "of the thumb's", "one stiffness", "ratio", "stiffness says" }, {} };
 		for ( std::size_t i = 0; i < m_hand.tips.size(); ++i )
@@ -188,8 +189,8 @@ private:
 		{
 			return false;
 		}
-		mustSucceed( hand.body->setGravity(
-			btVector3( 0, 0, 0 ) ) ); // upright fingers this soft are near buckling under their weight, which hides their stiffness
+		mustSucceed( hand.body->setGravity( btVector3(
+			0, 0, 0 ) ) ); // upright fingers this soft are close to buckling under their weight, which would hide their stiffness
 		hand.body->pinNodesInside( btVector3( kThumbSide, -1, -1 ), btVector3( 1, kHeldTo, 1 ) );
 		for ( const Digit& digit : handDigits() )
 		{

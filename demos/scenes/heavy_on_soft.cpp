@@ -1,6 +1,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | heavy_on_soft: boxes of 1, 10, 100 and 1000 times a soft block's mass on blocks whose modulus lets them give by   |
-// | a twentieth; in the middle, off it, and on an edge. One step of 1/60 s a frame (docs/design/implicit.md).         |
+// | heavy_on_soft: boxes of 1, 10, 100 and 1000 times a soft block's mass on blocks with a modulus at which they are  |
+// | compressed by a twentieth; in the middle, off the middle, and on an edge. One step of 1/60 s a frame              |
+// | (docs/design/implicit.md).                                                                                        |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"
@@ -21,7 +22,7 @@ constexpr float kHeavyOnSoftDensity = 1000.0f;
 constexpr double kStrain = 0.05; // of the box's weight over E and the block's top
 constexpr btScalar kHeavyOnSoftGap = btScalar( 0.002 );
 constexpr btScalar kHeavyOnSoftApart = btScalar( 1.0 );
-constexpr double kPutDown = 2.0; // s in which a box gets its weight: let go at once, the heaviest on an edge would swing over and fall
+constexpr double kPutDown = 2.0; // s in which a box gets its weight: released at once, the heaviest on an edge would swing over and fall
 
 struct Column
 {
@@ -73,7 +74,7 @@ public:
 		const double g = double( -stage.world().getGravity().y() );
 		for ( const Column& column : m_columns )
 		{
-			// Between the middles of the lowest and the highest layer; the mean of what the layers between carry.
+			// Between the centres of the lowest and the highest layer; theory is the mean load of the layers between.
 			double top = 0.0, bottom = 0.0;
 			for ( int k = 0; k < kHeavyOnSoftCells * kHeavyOnSoftCells; ++k )
 			{

@@ -23,7 +23,7 @@ public:
 		order.name = "cube";
 		order.mesh = &cube;
 		order.cells = 512;
-		// Lands on an edge: one sees at once that it is soft.
+		// Lands on an edge, so that it is seen to be soft.
 		order.place = btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.6 ) ), btVector3( 0, btScalar( 1.6 ), 0 ) );
 		order.material.youngsModulus = 4.0e4f;
 		order.material.density = 500.0f;

@@ -1,7 +1,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | ice_floe: a floe floats on water and carries a crate. An iron ball falls on it: it cracks, its pieces float on,   |
-// | the crate floats beside them, and the ball goes to the bottom. Water of the library acts on soft bodies; that of  |
-// | the rigid ones is an action of the scene's own.                                                                 |
+// | ice_floe: a floe floats on water and carries a crate. An iron ball falls on it: it cracks, its pieces float, the  |
+// | crate floats between them, and the ball sinks to the bottom. The library's water acts on soft bodies; an action   |
+// | of the scene gives buoyancy to rigid ones.                                                                        |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/must_succeed.h"
@@ -28,14 +28,14 @@ constexpr btScalar kFall = btScalar( 3 );                                       
 constexpr btScalar kCrateSize = btScalar( 0.4 ), kCrateMass = 30;                     // m, kg
 constexpr int kIceCrumb = 3;                                                          // cells
 
-/// Buoyancy and drag of rigid bodies: at the middles of equal parts of each.
+/// Buoyancy and drag of rigid bodies, at the centres of equal parts of each.
 class RigidBuoyancy : public btActionInterface
 {
 public:
 	/// `volume`: m^3, spread evenly over the box `size` around the body's middle.
 	void add( btRigidBody* body, const btVector3& size, btScalar volume ) { m_floaters.push_back( { body, size, volume } ); }
 
-	/// Impulses: Bullet runs actions at the end of a step, and forces would be cleared before the next.
+	/// Impulses, because Bullet runs actions at the end of a step and would clear forces before the next one.
 	void updateAction( btCollisionWorld*, btScalar step ) override
 	{
 		for ( const Floater& floater : m_floaters )
@@ -50,7 +50,7 @@ public:
 
 private:
 	static constexpr int kParts = 4;                   ///< along each axis
-	static constexpr btScalar kDrag = btScalar( 1.5 ); ///< 1/s, of the water that is displaced
+	static constexpr btScalar kDrag = btScalar( 1.5 ); ///< 1/s, of the displaced water
 	struct Floater
 	{
 		btRigidBody* body;
@@ -133,7 +133,7 @@ public:
 		m_crate = stage.addBox( crate,
 			btTransform( btQuaternion::getIdentity(), btVector3( btScalar( 0.55 ), top + kCrateSize / 2, btScalar( 0.35 ) ) ), kCrateMass,
 			kOak );
-		m_crate->setActivationState( DISABLE_DEACTIVATION ); // the water of the scene wakes nothing
+		m_crate->setActivationState( DISABLE_DEACTIVATION ); // the scene's water does not wake bodies
 		m_rigidWater.add( m_crate, crate, crate.x() * crate.y() * crate.z() );
 		m_ball = stage.addSphere( kIron, btVector3( btScalar( -0.3 ), kWaterLevel + kFall, btScalar( -0.1 ) ), kIronMass, kSlate );
 		m_ball->setGravity( btVector3( 0, 0, 0 ) ); // it hangs

@@ -22,15 +22,15 @@ constexpr int kLiverCutCells = 3000;
 constexpr int kLiverCutCoarseLevels = 2;
 constexpr btScalar kLiverCutLift = btScalar( 0.95 );     // m of its middle above the ground
 constexpr btScalar kLiverCutHeldFrom = btScalar( 0.27 ); // m above its middle
-constexpr btScalar kHalfEdge = btScalar( 0.6 );          // m of the blade, which points at us
+constexpr btScalar kHalfEdge = btScalar( 0.6 );          // m, of the blade, which points towards the viewer
 constexpr btScalar kBack = btScalar( 0.16 );             // m from its edge to its back
-constexpr btScalar kOverlap = btScalar( 0.03 );          // m behind the edge that cut with it: about a cell
+constexpr btScalar kOverlap = btScalar( 0.03 );          // m behind the edge that are cut too: about a cell
 constexpr double kShownFor = 0.25;                       // s before and after a stroke
 constexpr double kLiverCutDuration = 7.5;                // s
 constexpr double kStep = 1.0 / 60;                       // s
-constexpr float kKeepsNodes = 60.0f;                     // s of mergeDelay: as the paper, whose nodes only become more
+constexpr float kKeepsNodes = 60.0f;                     // s of mergeDelay: as in the paper, where the number of nodes only grows
 
-/// The edge's way, seen from the front, relative to the liver's middle, m and s.
+/// The path of the edge, seen from the front, relative to the liver's centre, m and s.
 struct Stroke
 {
 	double begin, end;
@@ -54,7 +54,7 @@ constexpr Stroke kStrokes[] = {
 struct FrameTime
 {
 	double simulation = 0; ///< matching, contacts, integration
-	double resampling = 0; ///< splitting nodes, breaking links, new regions and bodies; finding what the blade cuts
+	double resampling = 0; ///< splitting nodes, breaking links, new regions and bodies; finding the links that the blade cuts
 };
 
 class LiverCut : public Scene
@@ -103,7 +103,7 @@ public:
 			{
 				continue;
 			}
-			// From a little behind where the edge was: what has swung towards it since the last step would slip past.
+			// From a little behind the previous edge: otherwise material that has swung towards it since the last step would be missed.
 			const btVector3 to = stroke.at( seconds + kStep ), from = stroke.at( seconds ) - stroke.along() * kOverlap;
 			for ( int i = 0; i < stage.world().softBodyCount(); ++i )
 			{
@@ -131,7 +131,7 @@ public:
 		{
 			if ( m_now > stroke.begin - kShownFor && m_now < stroke.end + kShownFor )
 			{
-				// It comes in from before the stroke and goes on in the air after it.
+				// It moves in before the stroke and continues through the air after it.
 				const double early = std::min( 0.0, m_now - stroke.begin );
 				const btVector3 along = stroke.along(), across( -along.y(), along.x(), 0 );
 				const btVector3 middle = stroke.at( m_now ) + along * ( btScalar( early ) * kBack / btScalar( kShownFor ) - kBack / 2 );

@@ -1,7 +1,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 // | plastic_block: after Steinemann et al. 2008, figure 5. A ball, an edge and a corner press into three blocks that  |
-// | differ only in how they flow: not at all, little and late, much and at once. The table tells what of each dent    |
-// | is left.                                                                                                          |
+// | differ only in their plastic flow: none, little and late, much and at once. The table has the remaining depth of  |
+// | each dent.                                                                                                        |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"
@@ -21,8 +21,9 @@ constexpr btScalar kPlasticBlockApart = btScalar( 0.86 ); // m from one block to
 constexpr int kPlasticBlockCuts = 60;                     // of a block's faces: dents need vertices
 constexpr int kPlasticBlockCells = 5832;                  // 18 along an edge
 constexpr int kPlasticBlockCoarseLevels = 2;
-constexpr btScalar kDepth = btScalar( 0.12 );            // m that each stamp goes below the block's top
-constexpr btScalar kClearance = btScalar( 0.90 );        // m above it where a stamp waits, out of the picture, its shadow behind the blocks
+constexpr btScalar kDepth = btScalar( 0.12 ); // m that each stamp moves below the block's top
+constexpr btScalar kClearance = btScalar(
+	0.90 ); // m above it where a stamp waits, out of the picture, so that its shadow is behind the blocks
 constexpr double kStampSeconds = 1.1, kFirstStamp = 0.3; // down and up again; one after the other
 constexpr double kRest = 1.2;                            // s for the blocks to come to rest at the end
 
@@ -40,7 +41,7 @@ struct Stamp
 {
 	const char* name;
 	btScalar x, z;  ///< from a block's middle
-	btScalar reach; ///< from its own middle down to what touches first, m
+	btScalar reach; ///< from its own centre down to the point that touches first, m
 	bool isBall;
 	btQuaternion turn;
 	std::vector<btRigidBody*> bodies = {}; ///< one a block
@@ -192,7 +193,7 @@ private:
 		}
 	}
 
-	/// Below the middle height of the top face, which sinks under the block's own weight.
+	/// Below the mean height of the top face, which sinks under the block's own weight.
 	static double depthUnder( const Block& block, std::size_t stamp )
 	{
 		const pliant::SurfaceView skin = block.body->surface();

@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | puppet: a figure of flesh that follows the pose of ten bones, its belly and cheeks with weak springs. It dances,   |
-// | is let go in mid-stride and falls as its own ragdoll, and is taken up again.                                      |
+// | puppet: a soft figure that follows the pose of ten bones, with weak springs for its belly and cheeks. It dances,   |
+// | is released in mid-stride and falls like a ragdoll, and is driven by its pose again.                               |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/must_succeed.h"
@@ -29,7 +29,7 @@ struct Bone
 	const char* name;
 	int parent;
 	Point joint, end;
-	float radius; ///< m, of the flesh around it
+	float radius; ///< m, of the material around it
 };
 
 constexpr std::array<Bone, 10> kBones = { {

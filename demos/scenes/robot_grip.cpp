@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | robot_grip: a robot's arm, one btMultiBody in a world over btMultiBodyDynamicsWorld, with motors at its joints:    |
-// | it turns about its column, its boom slides up and down it, and three fingers close around a soft ball.            |
+// | robot_grip: a robot's arm, one btMultiBody in a world over btMultiBodyDynamicsWorld, with motors at its joints: it |
+// | turns about its column, its boom slides up and down, and three fingers close around a soft ball.                   |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/must_succeed.h"
@@ -28,7 +28,7 @@ constexpr btScalar kOpen = btScalar( 0.45 );                                   /
 constexpr btScalar kPi = btScalar( 3.14159265 );
 constexpr btScalar kTurn = -btScalar( 0.4 ) * kPi; // to the viewer
 
-/// What the joints are to do, until when.
+/// Targets of the joints, and the time until which they hold.
 struct Order
 {
 	double until;          ///< s
@@ -178,7 +178,8 @@ private:
 			Boom, 4, inertia( 4, boom ), Column, unturned, up, btVector3( kReach / 2, kHeight - column.y() / 2, 0 ), none, true );
 		for ( int k = 0; k < 3; ++k )
 		{
-			// Of a finger's own axes x points away from the hub's middle, and it turns about its z: outwards above 0.
+			// The x axis of a finger points away from the hub's centre, and the finger rotates about its z axis: outwards for positive
+			// angles.
 			const btScalar around = 2 * kPi * btScalar( k ) / 3 + kPi / 3;
 			const btQuaternion fromBoom( up, -around ), toBoom( up, around );
 			const btVector3 joint = btVector3( kReach / 2, btScalar( -0.02 ), 0 ) + quatRotate( toBoom, btVector3( kHub, 0, 0 ) );
@@ -221,13 +222,13 @@ private:
 		part.collider->setCollisionShape( part.shape.get() );
 		part.collider->setFriction( btScalar( 1 ) );
 		m_arm->getLink( link ).m_collider = part.collider.get();
-		// The arm's own parts do not meet one another.
+		// The arm's own parts do not collide with one another.
 		m_stage->multiBodyWorld().addCollisionObject(
 			part.collider.get(), btBroadphaseProxy::CharacterFilter, btBroadphaseProxy::DefaultFilter );
 		m_parts.push_back( std::move( part ) );
 	}
 
-	/// Towards a position, at `fastest` at most.
+	/// Towards a position, at most at the velocity `fastest`.
 	void drive( int link, btScalar position, btScalar fastest )
 	{
 		const btScalar away = position - m_arm->getJointPos( link );

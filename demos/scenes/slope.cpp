@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | slope: soft cubes and a rigid box on a slope of 20 degrees, by friction and by stiffness; how fast they gain      |
-// | speed, against theory (docs/design/contacts.md).                                                                  |
+// | slope: soft cubes and a rigid box on a slope of 20 degrees, by friction and by stiffness; their acceleration,     |
+// | against theory (docs/design/contacts.md).                                                                         |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"
@@ -22,15 +22,15 @@ constexpr btScalar kSlopeLength = btScalar( 7 );
 constexpr btScalar kThick = btScalar( 0.3 );
 constexpr btScalar kSlopeApart = btScalar( 0.62 );
 constexpr btScalar kSlopeStart = btScalar( -2.8 ); // along the slope from its middle
-constexpr double kFrom = 1.0, kTo = 1.8;           // s, between which speed is measured: at first soft cubes still sway
-constexpr float kSlopeDensity = 100;               // kg/m^3: at 1000 the softest would lie flat
+constexpr double kFrom = 1.0, kTo = 1.8;           // s, between which the velocity is measured: at first soft cubes still sway
+constexpr float kSlopeDensity = 100;               // kg/m^3: at 1000 the softest would be pressed flat
 
 struct Slider
 {
 	std::string name;
 	const btCollisionObject* object = nullptr;
 	double friction = 0.0;
-	double speedFrom = 0.0, speedTo = 0.0; ///< m/s, down the slope
+	double speedFrom = 0.0, speedTo = 0.0; ///< velocities, m/s, down the slope
 };
 
 class Slope : public Scene

@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 // | soft_stack: two, four and eight soft cubes on each other, and four with rigid boxes between them, at one step of  |
-// | 1/60 s a frame; when each tower sleeps, how far it leans (docs/design/implicit.md).                               |
+// | 1/60 s a frame; the time at which each tower sleeps, and its lean (docs/design/implicit.md).                      |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"
@@ -19,13 +19,14 @@ constexpr int kSoftStackCells = 6;
 constexpr btScalar kSoftStackBoxHeight = btScalar( 0.12 );
 constexpr btScalar kSoftStackGap = btScalar( 0.005 );
 constexpr btScalar kSoftStackApart = btScalar( 0.9 );
-constexpr float kModulus = 4.0e6f; // Pa; at a quarter of it eight cubes are more than a column of their own weight can be, 2.2 m by Euler
+constexpr float kModulus =
+	4.0e6f; // Pa; at a quarter of it eight cubes are higher than Euler's limit for a column under its own weight, 2.2 m
 
 struct Tower
 {
 	std::string name;
 	btScalar x = btScalar( 0 );
-	double height = 0.0; ///< of the top cube's middle, as it was put there, m
+	double height = 0.0; ///< initial height of the top cube's centre, m
 	std::vector<pliant::SoftBody*> cubes = {};
 	double sleepsAt = -1.0; ///< s; -1: never
 };
@@ -76,7 +77,7 @@ private:
 		btScalar y = kSoftStackGap;
 		for ( int k = 0; k < count; ++k )
 		{
-			// Not quite straight: a hundredth of the edge to and fro.
+			// Not quite straight: offset by a hundredth of the edge to alternating sides.
 			const btScalar aside = ( k % 2 == 0 ? 1 : -1 ) * kSoftStackEdge / 100;
 			SoftOrder order;
 			order.name = tower.name;

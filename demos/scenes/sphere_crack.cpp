@@ -23,7 +23,7 @@ constexpr btScalar kSphereCrackApart = btScalar( 1.25 );     // m from one to th
 constexpr btScalar kSphereCrackHeight = btScalar( 0.75 );    // m
 constexpr double kCracksAt = 0.4, kStopsAt = 1.2;            // s
 constexpr double kFallsAt = 5.2, kSphereCrackDuration = 6.6; // s
-constexpr double kNearFrom = 1.4, kNearTo = 4.6;             // s: the eye goes past them from near
+constexpr double kNearFrom = 1.4, kNearTo = 4.6;             // s: the camera passes them at a short distance
 constexpr btScalar kSphereCrackPull = btScalar( 1.4 );       // m/s for each metre from the middle
 
 struct Way
@@ -70,7 +70,7 @@ public:
 				return false;
 			}
 			way.body->setUserIndex2( int( i ) );
-			mustSucceed( way.body->setGravity( btVector3( 0, 0, 0 ) ) ); // pieces take it over
+			mustSucceed( way.body->setGravity( btVector3( 0, 0, 0 ) ) ); // pieces inherit it
 		}
 		return true;
 	}
@@ -132,7 +132,7 @@ public:
 
 	double duration() const override { return kSphereCrackDuration; }
 
-	/// From all of them past each from near and back.
+	/// From all of them to each at a short distance, and back.
 	pliant_glue::DrawCamera camera( double seconds ) const override
 	{
 		const float near = smooth( ( seconds - kStopsAt ) / 0.8 ) - smooth( ( seconds - kNearTo ) / 0.6 );
@@ -152,7 +152,7 @@ private:
 
 	static btScalar placeOf( std::size_t way ) { return kSphereCrackApart * ( btScalar( way ) - btScalar( 0.5 ) * btScalar( kWays - 1 ) ); }
 
-	/// Three planes none of which lies along the lattice.
+	/// Three planes, none of which is parallel to the lattice.
 	void crack()
 	{
 		const btQuaternion turn( btVector3( 1, 2, btScalar( 0.5 ) ).normalized(), btScalar( -0.6 ) );

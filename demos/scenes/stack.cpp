@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | stack: soft cubes and rigid boxes in turn, a tower for each; a ball comes later and leans on one of them.         |
+// | stack: alternating soft cubes and rigid boxes in several towers; later a ball rolls against one of them.          |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"
@@ -41,7 +41,7 @@ public:
 	pliant_glue::DrawLight light() const override { return { { -0.5f, 0.75f, 0.5f }, { 0, 0.6f, 0 }, 3.4f }; }
 
 private:
-	/// Two soft cubes with a rigid box on each, softer or stiffer from tower to tower.
+	/// Two soft cubes with a rigid box on each, with a different stiffness in each tower.
 	static bool addTower( Stage& stage, btScalar x, float youngsModulus, const pliant_glue::Colour& colour )
 	{
 		const pliant_glue::ModelMesh cube = makeCube( float( kSoftEdge ), 12 );

@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | table: a laden wooden table stands until iron balls shoot two of its legs away, one after the other, and comes    |
-// | down with what stands on it. It is one body: wood that splits along the grain of its legs and of its top.         |
+// | table: a laden wooden table stands until iron balls shoot two of its legs away, one after the other; then it      |
+// | falls with its load. It is one body of wood that splits along the grain of its legs and of its top.               |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"
@@ -44,7 +44,7 @@ void append( pliant_glue::ModelMesh& to, const std::array<float, 3>& edges, cons
 	}
 }
 
-/// On the ground, its middle at the origin. The legs reach into the top, a little inside of its sides, so that no two faces coincide.
+/// On the ground, its centre at the origin. The legs reach into the top, a little inside of its sides, so that no two faces coincide.
 pliant_glue::ModelMesh makeTableMesh()
 {
 	pliant_glue::ModelMesh mesh;
@@ -168,7 +168,7 @@ private:
 		return m_jelly != nullptr;
 	}
 
-	/// m, of the middle of what stands lowest.
+	/// m, of the centre of the lowest object on the table.
 	double lowestOfLoad() const
 	{
 		return double( std::min(

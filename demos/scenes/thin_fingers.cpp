@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 // | thin_fingers: Steinemann et al. 2008, figure 1. A lattice fine enough for thin fingers fills the whole palm with  |
-// | cells; levels keep the cells in the fingers and put big nodes into the palm. A bar sweeps through the fingers.    |
+// | cells; levels keep the cells in the fingers and put coarse nodes into the palm. A bar sweeps through the fingers. |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/creatures.h"
@@ -34,7 +34,7 @@ PalmPlan palmPlan()
 	return plan;
 }
 
-/// A body and the bar that sweeps below it, at its own place.
+/// A body and the bar that sweeps below it, at a position of their own.
 struct Hall
 {
 	Stage* stage = nullptr;
@@ -42,7 +42,7 @@ struct Hall
 	btRigidBody* bar = nullptr;
 	btScalar x = 0;
 	std::vector<std::vector<int>> tips = {}; ///< of each finger: the vertices of its end
-	std::vector<btVector3> restOfTip = {};   ///< their middle, before the bar comes
+	std::vector<btVector3> restOfTip = {};   ///< their centre, before the bar comes
 	std::vector<double> deflection = {};     ///< of each tip, at most, m
 };
 
@@ -167,7 +167,7 @@ private:
 		{
 			return false;
 		}
-		// Held from above: the nodes of the topmost blocks, whatever their size.
+		// Held from above: the nodes of the topmost blocks, of any size.
 		hall.body->pinNodesInside( btVector3( x - width, top - block, -depth ), btVector3( x + width, top, depth ) );
 		stage.addBox(
 			btVector3( width, plate, depth ), btTransform( btQuaternion::getIdentity(), btVector3( x, top + plate / 2, 0 ) ), 0, kStone );
@@ -176,13 +176,13 @@ private:
 		return true;
 	}
 
-	/// How many finest cells' material a node stands for.
+	/// Number of finest cells whose material a node represents.
 	double cellsIn( const pliant::SoftBody& body, int node ) const
 	{
 		return double( body.nodeMass( node ) ) / ( double( body.material().density ) * std::pow( double( m_plan.cell ), 3 ) );
 	}
 
-	/// Asked for anew in each step: what nobody asks for is merged again.
+	/// Requested again in each step: nodes without a request are merged.
 	void refineRoots() const
 	{
 		const btVector3 corner( m_levels.x - btScalar( m_plan.width( 0 ) ) / 2, kPalmBottom, -btScalar( m_plan.width( 2 ) ) / 2 );
@@ -195,7 +195,8 @@ private:
 		}
 	}
 
-	/// Whether a node can be seen from outside: within half its own edge, and a little, of a face of the palm; or in a finger.
+	/// Whether a node can be seen from outside: it is within half its own edge, with a tolerance, of a face of the palm; or it is in a
+	/// finger.
 	bool isOutside( const Hall& hall, int node ) const
 	{
 		const btScalar width = btScalar( m_plan.width( 0 ) ), height = btScalar( m_plan.width( 1 ) ), depth = btScalar( m_plan.width( 2 ) );
@@ -204,7 +205,7 @@ private:
 		return std::abs( at.x() ) > width / 2 - near || std::abs( at.y() ) > height / 2 - near || std::abs( at.z() ) > depth / 2 - near;
 	}
 
-	/// Nodes as cubes of the material they stand for, coloured by level.
+	/// Nodes as cubes of the material that they represent, coloured by level.
 	void drawNodes( const Hall& hall, btScalar aside, pliant_glue::DrawList& list ) const
 	{
 		for ( int i = 0; i < hall.body->nodeCount(); ++i )

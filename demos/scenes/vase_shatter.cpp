@@ -1,6 +1,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | vase_shatter: an iron ball falls on a brittle vase. Cracks begin where it is hit and run between the shards that   |
-// | the vase is divided into (BreakRule::Shards), so that it flies apart in some tens of curved shards and few crumbs.   |
+// | vase_shatter: an iron ball falls on a brittle vase. Cracks begin at the point of impact and run between the shards |
+// | into which the vase is divided (BreakRule::Shards), so that it breaks into some tens of curved shards and few      |
+// | crumbs.                                                                                                            |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"
@@ -18,7 +19,7 @@ constexpr int kAround = 72;                              // corners of each ring
 constexpr btScalar kVaseShatterBall = btScalar( 0.28 );  // m across: wider than the mouth
 constexpr btScalar kBallMass = btScalar( 60 );           // kg: of iron, and hollow
 constexpr btScalar kFallsFrom = btScalar( 1.8 );         // m
-constexpr btScalar kVaseShatterAside = btScalar( 0.02 ); // m beside the axis: nothing breaks evenly
+constexpr btScalar kVaseShatterAside = btScalar( 0.02 ); // m off the axis, so that nothing breaks symmetrically
 constexpr int kCrumb = 6;                                // cells: smaller pieces are rigid
 constexpr float kVaseShatterShard = 0.12f;               // m
 constexpr int kMostPieces = 200;
@@ -45,7 +46,7 @@ public:
 		order.cellSize = kVaseShatterCell;
 		order.material.density = 1000.0f;
 		order.material.youngsModulus = 2.0e6f;
-		order.material.damping = 150.0f; // shards neither ring nor bounce
+		order.material.damping = 150.0f; // shards neither vibrate nor bounce
 		order.material.rigidStrain = 0.1f;
 		order.fracture.rule = pliant::BreakRule::Shards;
 		order.fracture.breakStrain = 0.035f;

@@ -16,7 +16,7 @@ constexpr int kFewestCells = 24;
 constexpr int kReferenceSubsteps = 16, kReferenceMostSubsteps = 64;
 constexpr float kMergeDelay = 0.2f;
 
-/// Everything that can be tried is put together here, family by family.
+/// Builds all candidates, family by family.
 class Menu
 {
 public:
@@ -72,7 +72,8 @@ private:
 	std::vector<Candidate> m_all;
 };
 
-/// Müller et al. 2005: clusters, whose stiffness is set so that a stretch of the whole body costs what it does at the modulus (Subject).
+/// Müller et al. 2005: clusters, with the stiffness at which a stretch of the whole body stores the energy that the modulus gives
+/// (Subject).
 void addMueller( Menu& menu )
 {
 	using pliant::ClusterMode;
@@ -91,7 +92,7 @@ void addMueller( Menu& menu )
 	}
 }
 
-/// Rivers and James 2007 with our kernels and weights that keep momentum: Pliant's default.
+/// Rivers and James 2007 with our kernels and momentum-conserving weights: Pliant's default.
 void addUniform( Menu& menu, bool isShort )
 {
 	for ( int w = 1; w <= ( isShort ? 2 : 3 ); ++w )

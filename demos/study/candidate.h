@@ -1,6 +1,6 @@
 #pragma once
 
-// The methods under comparison, each with the settings it is tried at.
+// The methods under comparison, each with its settings.
 
 #include "demos/explicit_material.h"
 #include <pliant/adaptivity.h>
@@ -21,11 +21,11 @@ enum class Engine : int
 struct Candidate
 {
 	std::string family;  ///< whose method: a colour in the plots
-	std::string setting; ///< what tells it from others of its family; the two together are its name
+	std::string setting; ///< distinguishes it from others of its family; family and setting together are its name
 	Engine engine = Engine::Pliant;
-	int cells = 0;        ///< asked for; Bullet's bodies have the mesh's vertices for nodes
+	int cells = 0;        ///< requested number; the nodes of Bullet's bodies are the mesh's vertices
 	int clusters = 0;     ///< Engine::BulletClusters
-	int substeps = 0;     ///< soft substeps a step asked for; 0: the world's default. Stiffness may raise it
+	int substeps = 0;     ///< requested soft substeps a step; 0: the world's default. Stiffness may raise the number
 	int mostSubsteps = 0; ///< 0: the world's default
 	bool isOurs = false;
 	pliant::Material material = pliant_demos::explicitMaterial();
@@ -37,7 +37,7 @@ struct Candidate
 struct CandidatePlan
 {
 	int cells = 1000;                     ///< of the finest
-	int levels = 2;                       ///< most levels of detail
+	int levels = 2;                       ///< largest number of levels of detail
 	double density = 1000, modulus = 1e5; ///< kg/m^3, Pa
 	bool withBullet = true;
 	bool isShort = false;          ///< two resolutions, one threshold
@@ -46,10 +46,10 @@ struct CandidatePlan
 
 std::vector<Candidate> candidates( const CandidatePlan& plan );
 
-/// Uniform, twice as fine along an edge as the plan's finest, at the same modulus: what the others' error is measured against.
+/// Uniform, twice as fine along an edge as the plan's finest, at the same modulus: the reference for the errors of the others.
 Candidate reference( const CandidatePlan& plan );
 
-/// C++ that sets what this candidate is.
+/// C++ code that sets this candidate's method.
 std::string codeOf( const Candidate& candidate );
 
 } // namespace pliant_study

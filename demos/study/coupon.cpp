@@ -22,9 +22,9 @@ namespace pliant_study {
 namespace {
 
 constexpr double kRadian = 3.14159265358979323846 / 180;
-constexpr double kStill = 1e-8; // of the most energy its swinging had: in balance
+constexpr double kStill = 1e-8; // fraction of the largest energy of its oscillation: below it the piece is in equilibrium
 constexpr int kStillPeaks = 3;
-constexpr double kPastPeak = 0.97; // of the last peak: less is a fall, and not what rings on top of it
+constexpr double kPastPeak = 0.97; // fraction of the last peak: only a drop below it counts as a fall, and not fast vibrations on top
 
 pliant_glue::ModelMesh boxMesh( const Eigen::Vector3d& edges )
 {
@@ -72,9 +72,9 @@ Coupon::Coupon( const CouponOrder& order ) : m_order( order )
 	{
 		throw std::runtime_error( "a testing piece was refused" );
 	}
-	// Bodies stand as their mesh does: back by the angle that the lattice was turned by.
+	// Bodies have the orientation of their mesh: rotated back by the angle of the lattice.
 	pliant_demos::mustSucceed( m_body->reset( btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( -order.degrees * kRadian ) ) ) ) );
-	m_body->setActivationState( DISABLE_DEACTIVATION ); // to be put anew makes it an ordinary body
+	m_body->setActivationState( DISABLE_DEACTIVATION ); // setting the position again makes it an ordinary body
 	for ( int i = 0; i < m_body->nodeCount(); ++i )
 	{
 		m_rest.push_back( toEigen( m_body->nodePosition( i ) ) );
@@ -164,7 +164,7 @@ void Coupon::bend( const Where& where, double moment )
 	{
 		second += mass( i ) * std::pow( rest( i ).y() - couple.middle, 2 );
 	}
-	// f = -k m y along x turns about z by k sum m y^2.
+	// f = -k m y along x has a torque about z of k sum m y^2.
 	couple.perMass = -moment / second;
 	m_couples.push_back( couple );
 }
@@ -180,7 +180,7 @@ void Coupon::applyForces()
 	}
 	for ( const Couple& couple : m_couples )
 	{
-		// The direction of the section's normal, from the turn of the section in its plane.
+		// The direction of the section's normal, from the rotation of the section in its plane.
 		double c = 0, s = 0;
 		Eigen::Vector3d mean = Eigen::Vector3d::Zero();
 		for ( const int i : couple.nodes )
@@ -229,7 +229,7 @@ void Coupon::step()
 
 double Coupon::driftEnergy() const
 {
-	// 1/2 ( sum m v . u )^2 / sum m u^2, u what has moved so far: what rings on top of it has no share.
+	// 1/2 ( sum m v . u )^2 / sum m u^2, u the displacement so far: excludes fast vibrations on top of it.
 	double along = 0, own = 0;
 	for ( int i = 0; i < count(); ++i )
 	{

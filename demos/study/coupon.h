@@ -1,6 +1,6 @@
 #pragma once
 
-// A piece of material in a testing machine: a box of cells, or a shape of its own, that is pulled, bent and let go through the public face.
+// A test piece: a box of cells, or a shape of its own, that is pulled, bent and released through the public face.
 
 #include "demos/explicit_material.h"
 #include "demos/study/small_world.h"
@@ -12,26 +12,27 @@
 
 namespace pliant_study {
 
-/// Reads as: what is at a rest place counts.
+/// Returns true for rest positions that are selected.
 using Where = std::function<bool( const Eigen::Vector3d& rest )>;
-/// Something of a rest place.
+/// A quantity that depends on a rest position.
 using Field = std::function<Eigen::Vector3d( const Eigen::Vector3d& rest )>;
 
 struct CouponOrder
 {
 	Eigen::Vector3i cells = { 16, 4, 4 };                         ///< along x, y and z
-	pliant_glue::ModelMesh mesh;                                  ///< in the box's place, where it has vertices
+	pliant_glue::ModelMesh mesh;                                  ///< replaces the box if it has vertices
 	pliant::Material material = pliant_demos::explicitMaterial(); ///< youngsModulus: see `reach`
 	pliant::Adaptivity adaptivity;
 	double cell = 0.1;          ///< m
 	double degrees = 0;         ///< between the box and its lattice, about z
 	double gameStep = 1.0 / 60; ///< s
 	int substeps = 4;
-	/// Young's modulus as a share of what `halfWidth` 1 reaches at this step; 0: the material's own.
+	/// Young's modulus as a fraction of the reach of `halfWidth` 1 at this step; 0: the material's own.
 	double reach = 0.8;
 };
 
-/// The modulus that a share `reach` of the way to the goal stands for: alpha rho d^2 w ( w + 1 ) / ( 3 h^2 ) at w = 1, Pa.
+/// The modulus that corresponds to the fraction `reach` of the displacement to the goal (alpha): alpha rho d^2 w ( w + 1 ) / ( 3 h^2 ) at w
+/// = 1, Pa.
 double modulusWithin( const CouponOrder& order, double reach );
 
 class Coupon
@@ -49,41 +50,42 @@ public:
 	double mass( int node ) const { return double( m_body->nodeMass( node ) ); }
 	bool isHealthy() const { return m_body->isHealthy(); }
 
-	/// Holds what is there; how many nodes.
+	/// Holds the selected nodes; returns their number.
 	int hold( const Where& where );
-	/// Moves what is held to `to( rest )` within the next step.
+	/// Moves the held nodes to `to( rest )` within the next step.
 	void drive( const Field& to );
-	/// A force field of so much a kilogram, N/kg; from the next step on, until it is set anew.
+	/// A force field per mass, N/kg; from the next step on, until it is set again.
 	void push( const Field& perMass );
-	/// `total` N shared out by mass among what is there, on top of what pushes already.
+	/// Adds `total` N to the forces, distributed by mass over the selected nodes.
 	void pushAt( const Where& where, const Eigen::Vector3d& total );
-	/// A couple about z of `moment` N m on what is there: along x, as much as y is away from its middle, by mass. It turns with it.
+	/// A couple about z of `moment` N m on the selected nodes: forces along x in proportion to the distance in y from their centre, by
+	/// mass. It rotates with them.
 	void bend( const Where& where, double moment );
 	void clearForces();
 
-	/// Puts every node at `to( rest )`, at rest.
+	/// Moves every node to `to( rest )`, with velocity 0.
 	void put( const Field& to );
 	void step();
-	/// Steps until it is in balance: speeds are set to 0 whenever the energy of its swinging has passed a peak, which brings
-	/// it down in a few swings. False where `most` steps are too few.
+	/// Steps until the piece is in equilibrium: velocities are set to 0 whenever the energy of its oscillation has passed a peak, which
+	/// damps it within a few oscillations. False if `most` steps are not enough.
 	bool settle( int most );
 
-	/// The affine map from rest to now of what is there, least squares by mass.
+	/// The affine map from rest to the present positions of the selected nodes, least squares by mass.
 	Eigen::Matrix3d deformation( const Where& where ) const;
 	Eigen::Vector3d meanMoved( const Where& where ) const;
 	Eigen::Vector3d meanRest( const Where& where ) const;
-	/// How much of a shape there is in what has moved: sum of m shape . moved over sum of m shape . shape.
+	/// The component of a shape in the displacement of the selected nodes: sum of m shape . displacement over sum of m shape . shape.
 	double along( const Field& shape ) const;
-	/// Largest distance of a node from the rest shape put where it fits best, m.
+	/// Largest distance of a node from the best-fitting rest shape, m.
 	double misfit() const;
-	/// Of the cells that have three neighbours at rest, the share whose corner of edges to them is turned over.
+	/// Of the cells that have three neighbours at rest, the fraction for which the triad of edges to them is inverted.
 	double invertedFraction() const;
 
 private:
 	struct Couple
 	{
 		std::vector<int> nodes;
-		double perMass; // N/kg a metre off the middle
+		double perMass; // N/kg per metre off the centre
 		double middle;  // m
 	};
 

@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | One cell of the stability matrix: what is done to the body, and the judgement.                                   |
+// | One cell of the stability matrix: the extreme case, and the judgement of the result.                             |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/measure.h"
@@ -24,9 +24,9 @@ constexpr double kRecovered = 0.01;                     // of the diagonal
 constexpr double kLastRecovery = 10, kSlowRecovery = 2; // s
 constexpr double kMostInverted = 1e-3, kMostGrowth = 0.01, kMostDepth = 0.5;
 constexpr int kMostSubsteps = 16;
-constexpr int kLooks = 400; // moments at which the shape is looked at
+constexpr int kLooks = 400; // number of moments at which the shape is examined
 constexpr double kTwoTurns = 4 * 3.14159265358979323846;
-constexpr double kGap = 1e-3; // of the diagonal, between a body and what it is put on
+constexpr double kGap = 1e-3; // of the diagonal, between a body and the object that it is placed on
 
 class Ordeals
 {
@@ -142,7 +142,7 @@ private:
 		m_subject->world().addRigidBody( m_rigid.back().get() );
 	}
 
-	/// What weighs on the body is taken away halfway: what was crushed has to come back.
+	/// The load is removed halfway: crushed bodies have to recover.
 	void relent()
 	{
 		m_subject->world().setGravity( btVector3( 0, 0, 0 ) );
@@ -153,7 +153,7 @@ private:
 		}
 	}
 
-	/// Puts the nodes where the ordeal wants them.
+	/// Moves the nodes to the initial positions of the case.
 	void deform()
 	{
 		if ( !isFree() || m_case.ordeal == Ordeal::Spin )
@@ -220,7 +220,7 @@ private:
 		}
 	}
 
-	/// Of the cells that have three neighbours at rest, those whose corner of edges to them is turned over.
+	/// Of the cells that have three neighbours at rest, those for which the triad of edges to them is inverted.
 	double invertedFraction() const
 	{
 		int inverted = 0, looked = 0;
@@ -250,7 +250,7 @@ private:
 				now.col( k ) = m_now.col( near[std::size_t( k )] ) - m_now.col( i );
 			}
 			++looked;
-			// Cells of one big node stand on one point: nothing to turn over.
+			// The cells of one coarse node have one position: nothing can be inverted.
 			inverted += rest.determinant() * now.determinant() < 0 ? 1 : 0;
 		}
 		return looked > 0 ? double( inverted ) / looked : 0.0;
@@ -270,7 +270,7 @@ private:
 			blame( Colour::Red, "not finite, or stopped" );
 			return;
 		}
-		// A fall's energy has a height to be counted from; a body let go strained has its strain's to spend at first.
+		// The energy of a fall needs a reference height; a body that is released strained starts with elastic energy.
 		verdict.energyGrowth = isFree()                     ? m_mostLate / std::max( m_mostEarly, 1e-12 * m_subject->motion().mass ) - 1
 			: m_case.ordeal == Ordeal::Load || m_first <= 0 ? 0.0
 															: m_mostMechanical / m_first - 1;
@@ -318,7 +318,7 @@ private:
 	Points m_rest, m_now;
 	double m_cell = 1, m_first = 0;
 	bool m_isFinite = true, m_hasBroken = false;
-	double m_relented = 0; ///< s, when what weighed on it was taken away; 0: not yet
+	double m_relented = 0; ///< s, when the load was removed; 0: not yet
 	double m_lowest = 1e300, m_mostEarly = 0, m_mostLate = 0, m_mostMechanical = 0, m_recovery = 0, m_lastLook = 0;
 };
 

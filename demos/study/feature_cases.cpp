@@ -43,7 +43,7 @@ public:
 		add( "kept volume", "working" ).material.volumeKeeping = 1;
 		FeatureCase& coarse = add( "levels", "idle: fine everywhere" );
 		coarse.adaptivity = levels( 0 );
-		coarse.adaptivity.keepMass = 2; // never a big node
+		coarse.adaptivity.keepMass = 2; // never a coarse node
 		add( "levels", "working: big nodes, nothing changes" ).adaptivity = levels( 1.0f );
 		add( "levels", "working: splits and merges" ).adaptivity = levels( 0.002f );
 		FeatureCase& far = add( "far levels", "idle: stiffness within reach" );

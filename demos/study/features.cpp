@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | What each feature costs: off, on but idle, on and working.                                                       |
+// | The cost of each feature: off, on but idle, on and working.                                                      |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/feature_cases.h"
@@ -18,10 +18,10 @@ namespace {
 
 struct Cost
 {
-	double instructions = 0, seconds = 0, bytes = 0; ///< a game step, a game step, in all
+	double instructions = 0, seconds = 0, bytes = 0; ///< a game step, a game step, in total
 };
 
-/// All zero where this build refuses it.
+/// All zero if this build refuses it.
 Cost measure( const FeatureCase& one, int steps )
 {
 	Cost cost;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Instructions of this thread in user space, by the processor's own counter: the same from run to run where times are not.
+// Instructions of this thread in user space, by the processor's own counter: unlike times, the same in every run.
 
 #include <cstdint>
 
@@ -14,9 +14,9 @@ public:
 	InstructionCount( const InstructionCount& ) = delete;
 	InstructionCount& operator=( const InstructionCount& ) = delete;
 
-	/// False where the system has no such counter, or does not let us see it.
+	/// False if the system has no such counter, or gives no access to it.
 	bool works() const { return m_file >= 0; }
-	/// Since it was made.
+	/// Since construction.
 	std::uint64_t now() const;
 
 private:

@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | pliant_study: error against run time for a mesh of one's own.                                                    |
+// | pliant_study: error against run time for the user's mesh.                                                        |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/materials.h"
@@ -19,7 +19,7 @@ namespace pliant_study {
 namespace {
 
 constexpr double kGravity = 9.81;
-constexpr double kDefaultSag = 0.1; // of its own weight over E, where no modulus is asked for
+constexpr double kDefaultSag = 0.1; // of its own weight over E, if no modulus is given
 
 struct Arguments
 {
@@ -107,7 +107,7 @@ void describe( CLI::App& app, Arguments& to )
 	app.add_flag( "--fresh", to.plan.isFresh, "Begin anew instead of going on with what is in the folder" );
 }
 
-/// s; below 0 where it makes no sense.
+/// s; negative if the text is not a time.
 double secondsFrom( const std::string& text )
 {
 	double number = 0;

@@ -97,7 +97,7 @@ double MaterialRow::error() const
 
 bool MaterialRow::hasPassed() const
 {
-	return std::abs( error() ) <= bound; // false too where it is no number
+	return std::abs( error() ) <= bound; // false also if it is not a number
 }
 
 MaterialRow spreadRow(

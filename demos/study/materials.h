@@ -1,6 +1,6 @@
 #pragma once
 
-// What a testing machine says of the material: rows against theory, M1 to M15.
+// The material benchmarks M1 to M15: rows against theory.
 
 #include "demos/study/coupon.h"
 
@@ -9,12 +9,12 @@
 
 namespace pliant_study {
 
-/// How a row's error is taken.
+/// Definition of a row's error.
 enum class Judge : int
 {
 	Ratio,      ///< value / theory - 1
 	Difference, ///< value - theory
-	Spread,     ///< largest over smallest - 1: `value` and `theory` hold the two
+	Spread,     ///< largest over smallest - 1: `value` and `theory` are these two
 	AtMost      ///< value itself
 };
 
@@ -24,7 +24,7 @@ struct MaterialRow
 	std::string what;
 	std::string unit;
 	double value = 0, theory = 0;
-	double bound = 0; ///< of the error's size
+	double bound = 0; ///< of the error's magnitude
 	Judge judge = Judge::Ratio;
 	std::string note;
 
@@ -32,7 +32,7 @@ struct MaterialRow
 	bool hasPassed() const;
 };
 
-/// Of the smallest and the largest of what should be one.
+/// A row for the smallest and the largest of values that should be equal.
 MaterialRow spreadRow(
 	const std::string& id, const std::string& what, const std::string& unit, const std::vector<double>& values, double bound );
 
@@ -46,7 +46,7 @@ struct MaterialTest
 
 const std::vector<MaterialTest>& materialTests();
 
-// Balance under loads: materials_balance.cpp.
+// Equilibrium under loads: materials_balance.cpp.
 std::vector<MaterialRow> measureTension( bool isShort );
 std::vector<MaterialRow> measureShear( bool isShort );
 std::vector<MaterialRow> measureCantilever( bool isShort );
@@ -61,18 +61,19 @@ std::vector<MaterialRow> measureRod( bool isShort );
 std::vector<MaterialRow> measureFrequency( bool isShort );
 std::vector<MaterialRow> measureTwist( bool isShort );
 std::vector<MaterialRow> measureSquash( bool isShort );
-// What must not matter: materials_same.cpp.
+// Parameters that must not matter: materials_same.cpp.
 std::vector<MaterialRow> measureLevels( bool isShort );
 std::vector<MaterialRow> measureSteps( bool isShort );
 std::vector<MaterialRow> measureTurned( bool isShort );
 
-/// E, m/m of what lies in the middle of a bar along x that is drawn at both ends: stress over stretch, and the contraction across over it.
+/// E and the transverse contraction, m/m, in the middle of a bar along x that is pulled at both ends: stress over stretch, and contraction
+/// over stretch.
 struct TensionResult
 {
 	double modulus = 0, poisson = 0;
 };
 TensionResult drawBar( Coupon& bar, double strain, double grip );
-/// Tip deflection of a bar along x that is held by its first layer and laden at its last, over what a beam's is with shear.
+/// Tip deflection of a bar along x that is held by its first layer and loaded at its last, over that of a beam with shear.
 double loadedTip( Coupon& bar );
 
 struct MaterialPlan

@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | M1 to M5: bars in balance under small and large loads, against the theory of elasticity.                         |
+// | M1 to M5: bars in equilibrium under small and large loads, against the theory of elasticity.                     |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/materials.h"
@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kMostSteps = 40000;
 constexpr double kSmallStrain = 0.01;
-constexpr double kCalm = 5; // 1/s: of what rings fast
+constexpr double kCalm = 5; // 1/s: damps fast vibrations
 
 CouponOrder barOrder( int x, int y, int z )
 {
@@ -51,7 +51,7 @@ TensionResult drawBar( Coupon& bar, double strain, double grip )
 		bar.pushAt( beyond( 0, edges.x() / 2 - grip, sign ), { sign * force, 0, 0 } );
 	}
 	bar.settle( kMostSteps );
-	// E = sigma / e_x, nu = -e_y / e_x; symmetric part: what has turned in the meantime is no strain.
+	// E = sigma / e_x, nu = -e_y / e_x; the symmetric part, since rotation is no strain.
 	const Eigen::Matrix3d f = bar.deformation( middleThird( bar ) );
 	const Eigen::Matrix3d e = ( f + f.transpose() ) / 2 - Eigen::Matrix3d::Identity();
 	return { stress / e( 0, 0 ), -( e( 1, 1 ) + e( 2, 2 ) ) / 2 / e( 0, 0 ) };
@@ -100,8 +100,8 @@ std::vector<MaterialRow> measureShear( bool isShort )
 		Coupon block( order );
 		const double edge = order.cell * 18, area = ( edge - order.cell ) * order.cell * 6;
 		const double nu = volumeKeeping / ( 2 * volumeKeeping + 1 ), stress = kSmallStrain * block.modulus() / 2;
-		// The same shear stress on all four sides: no side turns it. Forces act on the middles of the outer cells: that is where its sides
-		// are.
+		// The same shear stress on all four sides, so that there is no torque. Forces act on the centres of the outer cells: these are
+		// the sides.
 		for ( const double sign : { -1.0, 1.0 } )
 		{
 			block.pushAt( beyond( 0, edge / 2 - order.cell, sign ), { 0, sign * stress * area, 0 } );
@@ -122,7 +122,7 @@ double loadedTip( Coupon& bar )
 	const Eigen::Vector3d edges = order.cell * order.cells.cast<double>();
 	const Where first = beyond( 0, edges.x() / 2 - order.cell, -1 ), last = beyond( 0, edges.x() / 2 - order.cell, 1 );
 	bar.hold( first );
-	// From the middles of the cells that are held to those of the cells that are laden: P s^3 / ( 3 E I ) + P s / ( 5/6 G A ), nu = 0.
+	// From the centres of the held cells to those of the loaded cells: P s^3 / ( 3 E I ) + P s / ( 5/6 G A ), nu = 0.
 	const double s = bar.meanRest( last ).x() - bar.meanRest( first ).x(), area = edges.y() * edges.z();
 	const double stiff = bar.modulus() * area * edges.y() * edges.y() / 12, shear = 5.0 / 6 * bar.modulus() / 2 * area;
 	const double load = 0.05 * s * 3 * stiff / ( s * s * s );
@@ -195,7 +195,7 @@ std::vector<MaterialRow> measureCircle( bool isShort )
 	Coupon bar( order );
 	const Eigen::Vector3d edges = order.cell * order.cells.cast<double>();
 	const Where ends[] = { beyond( 0, edges.x() / 2 - order.cell, -1 ), beyond( 0, edges.x() / 2 - order.cell, 1 ) };
-	// M = 2 pi E I / s: from end to end it turns once.
+	// M = 2 pi E I / s: one turn from end to end.
 	const double s = edges.x() - order.cell, moment = 2 * std::numbers::pi * bar.modulus() * edges.z() * std::pow( edges.y(), 3 ) / 12 / s;
 	for ( int k = 1; k <= stages; ++k )
 	{

@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | M6, M7, M12: how fast a bar swings and how long, and whether a body comes back from being twisted and crushed.   |
+// | M6, M7, M12: frequency and damping of a bar, and recovery of a body that was twisted or crushed.                 |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/materials.h"
@@ -18,7 +18,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kClampedRoot = 1.8751040687; // cos( root ) cosh( root ) = -1: held at one end, free at the other
 
-/// The slowest bending of a beam of length 1 that is held at 0, 1 at its end; `y` above its middle, where sections turn.
+/// The slowest bending mode of a beam of length 1 that is held at 0, 1 at its end; `y` above its middle, where sections rotate.
 Eigen::Vector3d clampedMode( double s, double y )
 {
 	const double r = kClampedRoot, fraction = ( std::cosh( r ) + std::cos( r ) ) / ( std::sinh( r ) + std::sin( r ) );
@@ -30,11 +30,11 @@ Eigen::Vector3d clampedMode( double s, double y )
 struct Swing
 {
 	double period = 0;          ///< s
-	double first = 0, last = 0; ///< largest size in the first and in the last swing
+	double first = 0, last = 0; ///< largest amplitude in the first and in the last oscillation
 	double swings = 0;          ///< between them
 };
 
-/// Follows a value that swings about 0 for `swings` of about `period` s.
+/// Follows a value that oscillates about 0 for `swings` oscillations of about `period` s.
 template <class Value>
 Swing follow( Coupon& coupon, double period, int swings, const Value& value )
 {
@@ -70,7 +70,7 @@ CouponOrder silentOrder( int x, int y, int z )
 	return order;
 }
 
-/// One of a thousand ways to crush a body: which, and how it lies.
+/// One of a thousand crushed states of a body: its kind, and the body's orientation.
 Field mangle( int kind, unsigned seed, const Coupon& coupon )
 {
 	std::mt19937 random( seed );
@@ -85,7 +85,7 @@ Field mangle( int kind, unsigned seed, const Coupon& coupon )
 		}
 		return [positions, k = std::size_t( 0 )]( const Eigen::Vector3d& ) mutable { return positions[k++]; };
 	}
-	const double squeeze[] = { 0.05, 1, 0, -1 }; // to a twentieth of its height, -, flat, inside out
+	const double squeeze[] = { 0.05, 1, 0, -1 }; // to a twentieth of its height, -, flat, inverted
 	const Eigen::Vector3d scale( 1, squeeze[kind], 1 );
 	return [turn, scale]( const Eigen::Vector3d& rest ) { return Eigen::Vector3d( turn * scale.cwiseProduct( turn.conjugate() * rest ) ); };
 }
@@ -111,12 +111,12 @@ std::vector<MaterialRow> measureFrequency( bool isShort )
 		const Swing swing = follow( bar, 2 * kPi / omega, swings, [&] { return bar.along( mode ); } );
 		rows.push_back( { "M6", "cantilever, L/t 10: first bending frequency", "Hz", 1 / swing.period, omega / ( 2 * kPi ), 0.05,
 			Judge::Ratio, "Euler-Bernoulli" } );
-		// Energy goes as the square of the size.
+		// Energy is proportional to the square of the amplitude.
 		const double lost = 1 - std::pow( std::pow( swing.last / swing.first, 2 ), 100 / swing.swings );
 		rows.push_back( { "M6", "the same without damping: energy lost in 100 periods", "", std::abs( lost ), 0, 0.05, Judge::AtMost,
 			std::to_string( swings ) + " followed" } );
 	}
-	// A free bar drawn along itself; its size falls by exp( -2 pi zeta ) a period.
+	// A free bar stretched along its axis; its amplitude falls by exp( -2 pi zeta ) a period.
 	const double zeta = 0.05;
 	CouponOrder order = silentOrder( 40, 4, 4 );
 	order.material.wobbleDamping = float( zeta );
@@ -130,7 +130,7 @@ std::vector<MaterialRow> measureFrequency( bool isShort )
 	const auto isLast = [&]( const Eigen::Vector3d& rest ) { return rest.x() > length / 2 - order.cell; };
 	const auto isFirst = [&]( const Eigen::Vector3d& rest ) { return rest.x() < -length / 2 + order.cell; };
 	const Swing swing = follow( bar, 2 * kPi / omega, 6, [&] { return bar.meanMoved( isLast ).x() - bar.meanMoved( isFirst ).x(); } );
-	// From the largest of the first swing to the largest of the last: both at their half.
+	// From the largest amplitude of the first oscillation to that of the last: both at half of their oscillation.
 	rows.push_back(
 		{ "M6", "free bar drawn along itself: frequency", "Hz", 1 / swing.period, omega / ( 2 * kPi ), 0.05, Judge::Ratio, "rod theory" } );
 	rows.push_back( { "M6", "the same, wobbleDamping 0.05: damping ratio", "",
@@ -173,7 +173,7 @@ std::vector<MaterialRow> measureSquash( bool isShort )
 		CouponOrder order;
 		order.cells = { 6, 6, 6 };
 		order.reach = 0;
-		order.material.youngsModulus = 6e4f; // gives by a tenth under its own weight
+		order.material.youngsModulus = 6e4f; // compressed by a tenth under its own weight
 		Coupon cube( order );
 		const double box = order.cell * order.cells.cast<double>().norm();
 		int back = 0;

@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | M13 to M15: what must not matter: the level of detail, the step, the way the lattice lies.                       |
+// | M13 to M15: parameters that must not matter: level of detail, step, and orientation of the lattice.              |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/materials.h"
@@ -26,7 +26,7 @@ CouponOrder sameOrder( int x, int y, int z )
 	return order;
 }
 
-/// u = a + b x + c x^2 by least squares by mass, of what is there: c, and b in the middle.
+/// u = a + b x + c x^2 by least squares by mass over the selected nodes: c, and b in the middle.
 struct Curve
 {
 	double slope = 0, half = 0; ///< b, c
@@ -55,7 +55,7 @@ Where endOf( double half, double grip, double sign )
 	return [=]( const Eigen::Vector3d& rest ) { return sign * rest.x() > half - grip; };
 }
 
-/// E I over the beam's, from the curve a bar takes between two couples at its ends.
+/// E I over the beam's, from the curvature of a bar between two couples at its ends.
 double bendingStiffness( Coupon& bar, double grip )
 {
 	const Eigen::Vector3d edges = bar.order().cell * bar.order().cells.cast<double>();
@@ -69,7 +69,7 @@ double bendingStiffness( Coupon& bar, double grip )
 	return curvature / ( 2 * curveOf( bar, 1, edges.x() / 4 ).half );
 }
 
-/// What a bar's own weight does to it where its upper end is held by as much: its stretch across the middle over rho g s / E.
+/// The stretch of a hanging bar across its middle under its own weight, over rho g s / E; its upper end is held by an equal force.
 double sag( Coupon& bar, double grip )
 {
 	const CouponOrder& order = bar.order();
@@ -83,7 +83,7 @@ double sag( Coupon& bar, double grip )
 	}
 	bar.pushAt( endOf( half, grip, 1 ), { mass * gravity, 0, 0 } );
 	bar.settle( kMostSameSteps );
-	// In the middle half of it hangs below: rho g L / ( 2 E ).
+	// In the middle half of its weight is below: rho g L / ( 2 E ).
 	return curveOf( bar, 0, half / 2 ).slope / ( density * gravity * half / bar.modulus() );
 }
 
@@ -126,7 +126,7 @@ std::vector<MaterialRow> measureLevels( bool isShort )
 	{
 		CouponOrder order = sameOrder( 4 * high, high, high );
 		order.adaptivity.coarseLevels = std::min( level, most );
-		order.adaptivity.isSurfaceFine = level > most; // mixed: small nodes around, big ones inside
+		order.adaptivity.isSurfaceFine = level > most; // mixed: fine nodes at the surface, coarse ones inside
 		const double grip = order.cell * ( 1 << most );
 		Coupon drawn( order ), bent( order ), hung( order );
 		modulus.push_back( drawBar( drawn, kSmallSameStrain, grip ).modulus / drawn.modulus() );

@@ -19,7 +19,7 @@ namespace {
 constexpr int kMostShapeSteps = 40000;
 constexpr double kMostPoisson = 0.4; // at Material::volumeKeeping 2
 
-/// kappa = nu / ( 1 - 2 nu ), as much of it as there is.
+/// kappa = nu / ( 1 - 2 nu ), up to its largest value.
 float volumeKeepingFor( double nu )
 {
 	const double most = std::min( nu, kMostPoisson );
@@ -36,7 +36,8 @@ CouponOrder calmOrder( int x, int y, int z )
 	return order;
 }
 
-/// The membrane, `cell` its edge and `unit` metres a unit, with half a cell more at its left: what is held there has its middles at x = 0.
+/// The membrane with cells of edge `cell` and `unit` metres for each unit of length, and half a cell more at its left, so that the held
+/// cells have their centres at x = 0.
 pliant_glue::ModelMesh cookMesh( double cell, double unit, double depth )
 {
 	pliant_glue::ModelMesh mesh = pliant_demos::makeCube( 1.0f, 16 );
@@ -103,13 +104,13 @@ std::vector<MaterialRow> measureCook( bool isShort )
 		{
 			CouponOrder order = calmOrder( 0, 0, 2 );
 			order.material.volumeKeeping = volumeKeepingFor( nu );
-			const double unit = order.cell * side / 48; // cells end where the membrane does
+			const double unit = order.cell * side / 48; // the membrane's border is a border of cells
 			order.mesh = cookMesh( order.cell, unit, 2 * order.cell );
 			Coupon slab( order );
 			slab.hold( [&]( const Eigen::Vector3d& rest ) { return rest.x() < order.cell / 2; } );
 			const double right = 48 * unit - order.cell;
 			const Where edge = [right]( const Eigen::Vector3d& rest ) { return rest.x() > right; };
-			// Up by 1 % of the left edge's height; v = P / ( E t ) times what a load of 1 does.
+			// Up by 1 % of the left edge's height; v = P / ( E t ) times the displacement under a load of 1.
 			const Eigen::Vector3d at = slab.meanRest( edge ) / unit;
 			const double unitUp = cookDeflection( nu, at.x(), at.y() ), load = 0.01 * 44 * unit * slab.modulus() * 2 * order.cell / unitUp;
 			slab.pushAt( edge, { 0, load, 0 } );
@@ -130,7 +131,7 @@ std::vector<MaterialRow> measurePlate( bool isShort )
 	Coupon plate( order );
 	const double a = ( free + 1 ) * order.cell, d = order.cell;
 	const auto middle = [d]( const Eigen::Vector3d& rest ) { return std::max( std::abs( rest.x() ), std::abs( rest.z() ) ) < d; };
-	// Two rows are held: the inner one is where it neither moves nor turns.
+	// Two rows are held: the inner one is where the beam neither moves nor rotates.
 	plate.hold( [a, d]( const Eigen::Vector3d& rest ) { return std::max( std::abs( rest.x() ), std::abs( rest.z() ) ) > a / 2 - d / 2; } );
 	// Clamped and square: w = 0.00126 q a^4 / D, D = E t^3 / 12 at nu = 0.
 	const double stiff = plate.modulus() * d * d * d / 12, wanted = 0.1 * d, load = wanted * stiff / ( 0.00126 * std::pow( a, 4 ) );
@@ -150,7 +151,7 @@ std::vector<MaterialRow> measureRod( bool isShort )
 		Coupon rod( order );
 		const double half = order.cells.x() * order.cell / 2, d = order.cell;
 		rod.hold( [&]( const Eigen::Vector3d& rest ) { return rest.x() < -half + 2 * d; } );
-		// Clamped at the inner of the two: w s^2 ( 6 L^2 - 4 L s + s^2 ) / ( 24 E I ), L to the rod's end and s to its last middle.
+		// Clamped at the inner of the two: w s^2 ( 6 L^2 - 4 L s + s^2 ) / ( 24 E I ), L to the rod's end and s to its last cell's centre.
 		const double length = ( free + 0.5 ) * d, s = free * d, stiff = rod.modulus() * std::pow( d, 4 ) / 12;
 		const double shape = s * s * ( 6 * length * length - 4 * length * s + s * s ) / 24, weight = 0.01 * length * stiff / shape;
 		rod.push(
@@ -160,7 +161,7 @@ std::vector<MaterialRow> measureRod( bool isShort )
 			-rod.meanMoved( [&]( const Eigen::Vector3d& rest ) { return rest.x() > half - d; } ).y(), 0.01 * length, 0.2, Judge::Ratio,
 			"" } );
 	}
-	// Bent to a half circle, turned about its length as it goes, and let whirl.
+	// Bent to a half circle, twisted along its length, and released.
 	order.material = pliant_demos::explicitMaterial();
 	order.reach = 0.5;
 	Coupon rod( order );

@@ -29,7 +29,7 @@ double bytesInUse()
 
 namespace {
 
-/// A body that has flown to pieces or out of the numbers is this wrong, D: a mean over runs stays a number.
+/// The error of a body that has flown apart or whose numbers are not finite, D: means over runs stay numbers.
 constexpr double kLost = 100;
 
 double bounded( double error )
@@ -42,7 +42,7 @@ double meanDistance( const Specimen& specimen, const Points& a, const Points& b 
 	return ( a - b ).colwise().norm().dot( specimen.fraction.transpose() ) / specimen.diagonal;
 }
 
-/// `points` moved rigidly onto `reference` (Kabsch: the rotation out of the weighted covariance's singular vectors).
+/// `points` moved rigidly onto `reference` (Kabsch: the rotation from the singular vectors of the weighted covariance).
 Points movedOnto( const Specimen& specimen, const Points& points, const Points& reference )
 {
 	const Eigen::Vector3d from = points * specimen.fraction, to = reference * specimen.fraction;
@@ -54,14 +54,14 @@ Points movedOnto( const Specimen& specimen, const Points& points, const Points& 
 	return ( rotation * ( points.colwise() - from ) ).colwise() + to;
 }
 
-/// What was there at the start, against which drifts are measured.
+/// Initial values, against which drifts are measured.
 class Drifts
 {
 public:
 	Drifts( const SceneInfo& scene, const Rig& rig, double diagonal ) :
 		m_scene( scene ), m_first( rig.motion() ), m_energy( rig.mechanicalEnergy() )
 	{
-		// A momentum of zero is nothing to take a share of: then it is that of the energy there is.
+		// A momentum of zero cannot be the unit of its drift: then the unit is the momentum that corresponds to the energy.
 		const double speed = std::sqrt( 2 * m_first.kineticEnergy * m_first.mass );
 		m_momentum = std::max( m_first.momentum.norm(), speed );
 		m_spin = std::max( m_first.spin.norm(), speed * diagonal / 2 );
@@ -87,7 +87,7 @@ private:
 	double m_energy = 0, m_momentum = 0, m_spin = 0;
 };
 
-/// Median, 99th percentile and the most of what every step took.
+/// Median, 99th percentile and maximum of the times of all steps.
 void sumUpTimes( std::vector<double> times, Record& record )
 {
 	std::sort( times.begin(), times.end() );
@@ -124,7 +124,7 @@ Errors errorsOf( const Specimen& specimen, const Points& points, const Points& r
 
 namespace {
 
-/// After a frame: everything but time.
+/// After a frame: records everything but time.
 void look( const RunOrder& order, Rig& rig, const Drifts& drifts, Points& points, Record& record )
 {
 	Subject& subject = rig.subject();
@@ -203,7 +203,7 @@ Record run( const RunOrder& order )
 	sumUpTimes( std::move( times ), record );
 	if ( order.reference != nullptr && record.curve.empty() )
 	{
-		record.refused = "it broke before it could be compared"; // else its error would be read as none
+		record.refused = "it broke before it could be compared"; // otherwise its error would count as zero
 	}
 	return record;
 }

@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | The study as one page: first what to take, then why.                                                             |
+// | The study as one page: first the recommendation, then the reasons.                                               |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/page.h"
@@ -60,7 +60,7 @@ std::vector<const Summary*> frontOf( const std::vector<Summary>& all )
 	return front;
 }
 
-/// A few of many, ends included.
+/// Some of many values, including the first and the last.
 std::vector<const Summary*> thinned( std::vector<const Summary*> front, std::size_t most )
 {
 	std::vector<const Summary*> few;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The study as one page that needs nothing beside it.
+// The study as one self-contained page.
 
 #include "demos/study/study.h"
 
@@ -25,14 +25,15 @@ struct PageContent
 	std::vector<Summary> together; ///< of all scenes, or of the only one
 };
 
-/// False when it cannot be written. `why` says what is missing on it.
+/// False if it cannot be written. `why` names what is missing on it.
 bool writePage( const PageContent& content, const std::string& path, std::string& why );
 
-/// HTML: those on the front at the moment they are worst, the reference beside each; made by running them again. Empty without OpenGL.
+/// HTML: the candidates on the front at their worst moments, with the reference next to each; made by running them again. Empty without
+/// OpenGL.
 std::string drawWorst(
 	const StudyPlan& plan, const Specimen& specimen, const SceneInfo& scene, const std::vector<Summary>& all, const Reference& reference );
 
-/// Sentences: what taking this one costs against the best there is.
+/// Sentences that compare this candidate with the most accurate one.
 std::string whatIsGivenUp( const std::vector<Summary>& all, const Summary& pick );
 
 /// The processor's name, or "unknown processor".

@@ -16,7 +16,7 @@ namespace {
 
 const char* const kLayerColours[] = { "#b8b8b8", "#b3402a", "#e3b23c", "#2a6f97", "#5b5ea6", "#8fb996", "#d9822b", "#3a3a3a", "#7fb7be" };
 
-/// In single quotes, as gnuplot and shells read them.
+/// In single quotes, for gnuplot and shells.
 std::string quoted( const std::string& text )
 {
 	std::string safe = "'";
@@ -100,7 +100,7 @@ std::string svgOf( const Plot& plot, const std::string& folder, std::string& why
 	std::stringstream text;
 	text << file.rdbuf();
 	const std::string svg = text.str();
-	const std::size_t begin = svg.find( "<svg" ); // what stands before is for files of their own
+	const std::size_t begin = svg.find( "<svg" ); // the lines before it are for separate files
 	return begin == std::string::npos ? std::string() : svg.substr( begin );
 }
 

@@ -10,7 +10,7 @@ namespace pliant_study {
 struct Series
 {
 	std::string title;
-	std::string style; ///< gnuplot's words after `with`
+	std::string style; ///< gnuplot's style, after `with`
 	std::vector<double> x, y;
 };
 
@@ -20,11 +20,11 @@ struct Plot
 	std::string title, xLabel, yLabel;
 	bool isLogX = false, isLogY = false;
 	std::vector<Series> series;
-	/// Stacked bars instead: each series is a layer, y by bar; x is not looked at.
+	/// Stacked bars instead: each series is a layer, y by bar; x is ignored.
 	std::vector<std::string> bars;
 };
 
-/// Empty when there is no gnuplot, or it failed; `why` then says so.
+/// Empty if there is no gnuplot, or it failed; `why` then has the reason.
 std::string svgOf( const Plot& plot, const std::string& folder, std::string& why );
 
 } // namespace pliant_study

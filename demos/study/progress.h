@@ -1,6 +1,6 @@
 #pragma once
 
-// How far a long study is, how long it still takes, and whether someone wants it to end.
+// Progress of a long study, the remaining time, and requests to stop it.
 
 #include <chrono>
 #include <string>
@@ -23,7 +23,7 @@ private:
 	void show();
 };
 
-/// From now on the first interrupt (Ctrl+C) or termination asks for a stop, the second ends the process.
+/// After this call the first interrupt (Ctrl+C) or termination signal requests a stop, the second ends the process.
 void listenForStop();
 bool stopWasAsked();
 

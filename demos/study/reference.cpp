@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | The reference's places in a file: vertices, frames, when it broke; then floats, vertex after vertex.              |
+// | The reference in a file: vertices, frames, time of breaking; then the positions as floats, vertex after vertex.   |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/reference.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-// What errors are measured against: kept in a file, since it takes the longest to make.
+// The reference for errors: stored in a file, since it takes the longest to compute.
 
 #include "demos/study/measure.h"
 
@@ -8,7 +8,7 @@
 
 namespace pliant_study {
 
-/// Of the reference itself, or of its turned twin, which says how far two references are apart.
+/// Of the reference itself, or of the second reference on a rotated lattice, which gives the distance between two references.
 bool isReference( const Record& record );
 
 struct Reference
@@ -17,7 +17,7 @@ struct Reference
 	double brokenAt = -1;
 };
 
-/// From `path` if it is there and fits, else false.
+/// Reads `path` if it exists and fits; otherwise returns false.
 bool read( const std::string& path, const Specimen& specimen, Reference& to );
 bool write( const std::string& path, const Reference& reference );
 

@@ -16,18 +16,18 @@ namespace {
 
 constexpr double kGravity = 9.81;      // m/s^2
 constexpr double kDropHeight = 0.3;    // D, under the lowest point
-constexpr double kHeldFraction = 0.15; // of the height, at each end that is held
+constexpr double kHeldFraction = 0.15; // of the height, at each held end
 constexpr double kQuarter = 1.5707963267948966;
 constexpr double kTwistTime = 2.0, kTwistHeld = 3.0;                     // sqrt( D / g )
 constexpr double kPushTime = 1.5, kPushDepth = 0.15, kBallRadius = 0.15; // D
 constexpr double kImpactSpeed = 1.0, kImpactMass = 0.5;                  // sqrt( g D ), of the body's mass
-constexpr double kPull = 0.14; // g: from rest, so that no jerk at the grips tears off what they hold
+constexpr double kPull = 0.14; // g: from rest, so that no sudden acceleration tears off the held ends
 constexpr float kBreakStrain = 0.3f;
 constexpr double kSpinSpeed = 3.0; // radians per sqrt( D / g )
 constexpr double kRigGap = 0.01;   // D, between a ball and the body at first
 constexpr btScalar kFriction = btScalar( 0.5 );
 
-/// A rotation that is the same for the same number everywhere (Shoemake's from three equal shares).
+/// A rotation that is the same for the same number on every system (Shoemake's, from three uniform numbers).
 Eigen::Quaterniond orientationOf( int number )
 {
 	if ( number == 0 )
@@ -41,7 +41,7 @@ Eigen::Quaterniond orientationOf( int number )
 		std::sqrt( a ) * std::cos( c ) };
 }
 
-/// From 0 to 1 with no jump of speed at either end.
+/// From 0 to 1 with continuous velocity at both ends.
 double smooth( double fraction )
 {
 	const double s = std::fmin( 1.0, std::fmax( 0.0, fraction ) );
@@ -178,7 +178,7 @@ bool Rig::furnish()
 	return true;
 }
 
-/// What moves from outside, to where it has to be at this step's end.
+/// Moves the driven objects to their positions at the end of this step.
 void Rig::drive()
 {
 	const double now = seconds() / m_unit, then = ( seconds() + kGameStep ) / m_unit, height = 2 * m_specimen.half.y();

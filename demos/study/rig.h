@@ -1,7 +1,7 @@
 #pragma once
 
-// The scenes of the study: what is done to a body. Lengths are shares of the mesh's diagonal D and times of sqrt( D / g ), so that every
-// mesh is treated alike.
+// The scenes of the study. Lengths are in units of the mesh's diagonal D and times in units of sqrt( D / g ), so that every mesh is treated
+// alike.
 
 #include "demos/study/subject.h"
 
@@ -18,8 +18,8 @@ enum class SceneKind : int
 {
 	Drop,   ///< falls on the ground
 	Hang,   ///< held at its top
-	Twist,  ///< held at both ends, one of them turned by 90 degrees, then let go
-	Push,   ///< held at its foot, a ball is pushed into its side and taken away
+	Twist,  ///< held at both ends, one of them rotated by 90 degrees, then released
+	Push,   ///< held at its foot, a ball is pushed into its side and removed
 	Impact, ///< free, a ball of half its mass hits it
 	Tear,   ///< held at both ends and pulled until it breaks
 	Fly     ///< free and spinning
@@ -32,40 +32,40 @@ struct SceneInfo
 	const char* description;
 	double length; ///< in sqrt( D / g )
 	bool hasGravity;
-	bool isFree;      ///< nothing holds or moves it from outside: momentum has to stay
-	bool keepsEnergy; ///< nothing feeds it: mechanical energy must not grow
-	bool takesBullet; ///< Bullet's own bodies can be tried
-	int framesAWrite; ///< the vertices are compared at every so many frames
+	bool isFree;      ///< no external force or constraint: momentum has to be constant
+	bool keepsEnergy; ///< no external work: mechanical energy must not grow
+	bool takesBullet; ///< available for Bullet's own bodies
+	int framesAWrite; ///< number of frames from one comparison of the vertices to the next
 };
 
 const std::vector<SceneInfo>& sceneInfos();
-/// Null when there is none of that name.
+/// Null if there is no scene of that name.
 const SceneInfo* findSceneInfo( const std::string& name );
 
 class Rig
 {
 public:
-	/// Null where the body is refused; `why` then says why. Lattice orientation 0 is the mesh's own, others are random, each the same every
-	/// time.
+	/// Null if the body is refused; `why` then has the reason. Lattice orientation 0 is the mesh's own, others are random, the same in
+	/// every run.
 	static std::unique_ptr<Rig> create(
 		const SceneInfo& scene, const Specimen& specimen, const Candidate& candidate, int orientation, std::string& why );
 	~Rig();
 
-	/// One game step. Its wall-clock time, s, of the engine alone.
+	/// One game step. Returns the wall-clock time of the engine alone, s.
 	double step();
 	int frame() const { return m_frame; }
 	int frames() const { return m_frames; }
 	Subject& subject() { return *m_subject; }
 	/// Of soft and rigid bodies together.
 	Motion motion() const;
-	/// Kinetic and in gravity's field, J; what is stored in deformation is not in it.
+	/// Kinetic and gravitational energy, J, without elastic energy.
 	double mechanicalEnergy() const;
-	/// The pushing or hitting ball's middle; no ball: false.
+	/// The centre of the pushing or hitting ball; false without a ball.
 	bool ball( Eigen::Vector3d& middle, double& radius ) const;
 
 private:
 	Rig( const SceneInfo& scene, const Specimen& specimen );
-	/// False when nothing of the body is where it is to be held.
+	/// False if no part of the body is in the region to be held.
 	bool furnish();
 	void drive();
 	void addBall( double mass, const Eigen::Vector3d& place );

@@ -39,7 +39,7 @@ bool RunStore::open( const StudyPlan& plan, const Specimen& specimen, std::strin
 	const nlohmann::json header = headerOf( plan, specimen );
 	std::ifstream file( m_path );
 	std::string line;
-	std::string whole; // lines that can be read: the last may have been cut off
+	std::string whole; // complete lines: the last one may have been cut off
 	bool isCutOff = false;
 	if ( std::getline( file, line ) )
 	{
@@ -68,7 +68,7 @@ bool RunStore::open( const StudyPlan& plan, const Specimen& specimen, std::strin
 	return !isCutOff || writeAnew( whole, why );
 }
 
-// By way of a second file: nobody, this program killed among them, ever finds half a file in its place.
+// Writes a second file and renames it, so that nobody ever reads half a file, even if this program is killed.
 bool RunStore::writeAnew( const std::string& whole, std::string& why ) const
 {
 	const std::string fresh = m_path + ".new";

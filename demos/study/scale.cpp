@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | What a step costs against how much there is.                                                                     |
+// | The cost of a step as a function of size.                                                                        |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/scale.h"
@@ -26,9 +26,9 @@ constexpr double kScaleCell = 0.1; // m
 constexpr int kWarmSteps = 3;
 constexpr double kLeastSeconds = 0.5; // of timed steps
 constexpr int kFewestSteps = 7, kMostScaleSteps = 60;
-constexpr int kPileSettles = 90; // steps until a pile has fallen together
+constexpr int kPileSettles = 90; // steps until a pile has settled
 constexpr int kBodiesNodes = 343;
-constexpr int kTurns = 15; // of one thread and of two
+constexpr int kTurns = 15; // number of comparisons of one thread with two
 constexpr int kLargeBlock = 20000, kSmallBodies = 20;
 
 int edgeOf( int nodes )
@@ -36,7 +36,7 @@ int edgeOf( int nodes )
 	return std::max( 1, int( std::lround( std::cbrt( double( nodes ) ) ) ) );
 }
 
-/// The middle one of as many steps as half a second has.
+/// The median over as many steps as fit into half a second.
 double medianStep( SmallWorld& world )
 {
 	for ( int k = 0; k < kWarmSteps; ++k )
@@ -74,7 +74,7 @@ pliant::Material stiffEnough()
 	return material;
 }
 
-/// Side by side, turning slowly.
+/// Next to each other, rotating slowly.
 void addFlying( SmallWorld& world, int bodies, int nodesEach )
 {
 	world.world().setGravity( btVector3( 0, 0, 0 ) );
@@ -135,7 +135,7 @@ ScaleRow pile( int bodies, int nodesEach, int threads )
 	for ( int k = 0; k < bodies; ++k )
 	{
 		const int layer = k / ( row * row ), x = k % row, z = k / row % row;
-		// Layers stand half a body aside, so that they lean on each other.
+		// Layers are offset by half a body, so that bodies lean on each other.
 		const double aside = layer % 2 == 0 ? 0.0 : 0.5 * apart;
 		world.add( shape, btVector3( btScalar( apart * x + aside ), btScalar( apart * ( layer + 0.55 ) ), btScalar( apart * z + aside ) ),
 			stiffEnough() );

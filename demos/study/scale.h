@@ -1,6 +1,6 @@
 #pragma once
 
-// What a step costs against how much there is: nodes in one body, bodies in a world, threads; and what each feature costs.
+// The cost of a step as a function of the number of nodes in a body, of bodies in a world, and of threads; and the cost of each feature.
 
 #include <string>
 #include <vector>
@@ -28,14 +28,14 @@ ScaleRow flyingBlock( int nodes, int threads );
 ScaleRow flyingBodies( int bodies, int nodesEach, int threads );
 ScaleRow pile( int bodies, int nodesEach, int threads );
 
-/// Flying bodies: how many times as fast two threads are as one.
+/// Flying bodies: the speedup of two threads over one.
 struct ThreadsRow
 {
 	int nodes = 0, bodies = 0;
 	double middle = 0, least = 0, most = 0;
 };
 
-/// In turn, as a machine may change its speed within seconds: of medians of steps with one thread and, right after, with two.
+/// In turn, as a machine may change its clock rate within seconds: from the medians of steps with one thread and, right after, with two.
 ThreadsRow twoThreads( int bodies, int nodesEach );
 
 /// Slope of log y over log x by least squares.

@@ -18,7 +18,7 @@ std::shared_ptr<const pliant::BodyTemplate> cubeTemplate( int edge, double cell,
 	settings.cellSize = float( cell );
 	settings.maxCells = 10000000;
 	settings.skinning = skinning;
-	settings.samplesPerEdge = 1; // cells are full: no use in looking closer
+	settings.samplesPerEdge = 1; // cells are full, so that more samples give the same
 	const auto made = pliant::BodyTemplate::build(
 		{ mesh.positions.data(), mesh.vertexCount(), 3, mesh.indices.data(), mesh.triangleCount(), nullptr, nullptr }, settings );
 	return made.value;

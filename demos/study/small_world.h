@@ -1,6 +1,6 @@
 #pragma once
 
-// A world of Pliant's with blocks in it, for what is timed.
+// A world of Pliant's with blocks in it, for measurements.
 
 #include "demos/study/specimen.h"
 
@@ -13,10 +13,10 @@
 
 namespace pliant_study {
 
-/// Cells of a cube of `edge` cells an edge, each `cell` m. Null where it is refused.
+/// Cells of a cube of `edge` cells an edge, each `cell` m. Null if it is refused.
 std::shared_ptr<const pliant::BodyTemplate> cubeTemplate( int edge, double cell, pliant::Skinning skinning );
 
-/// A world and what it stands on, in the order in which they have to go.
+/// A world and its collision classes, in the order of destruction.
 struct WorldParts
 {
 	btDefaultCollisionConfiguration configuration;
@@ -33,12 +33,12 @@ public:
 	~SmallWorld();
 
 	pliant::SoftBodyWorld& world() { return m_world; }
-	/// Null where it is refused. Never falls asleep.
+	/// Null if it is refused. Never falls asleep.
 	pliant::SoftBody* add( const std::shared_ptr<const pliant::BodyTemplate>& shape, const btVector3& at, const pliant::Material& material,
 		const pliant::Adaptivity& adaptivity = {} );
 	void addGround();
 	const std::vector<std::unique_ptr<pliant::SoftBody>>& bodies() const { return m_bodies; }
-	/// s, of the step and, where somebody looks, the skins.
+	/// s, of the step and, if they are read, of the skins.
 	double timedStep( bool isLookedAt = true );
 
 private:

@@ -21,7 +21,7 @@ Eigen::Vector3i cornersOf( const pliant_glue::ModelMesh& mesh, std::size_t trian
 	return { int( v[0] ), int( v[1] ), int( v[2] ) };
 }
 
-/// On a square of edge `width`, as high as `height`.
+/// On a square of edge `width`, of height `height`.
 pliant_glue::ModelMesh makeBox( float width, float height )
 {
 	constexpr int kCuts = 16;
@@ -33,7 +33,7 @@ pliant_glue::ModelMesh makeBox( float width, float height )
 	return mesh;
 }
 
-/// Volume and second moment of what is enclosed: sums over the tetrahedra from the origin to each triangle.
+/// Volume and second moment of the enclosed space: sums over the tetrahedra from the origin to each triangle.
 void measureInside( Specimen& specimen )
 {
 	Eigen::Vector3d first = Eigen::Vector3d::Zero(), second = Eigen::Vector3d::Zero();
@@ -131,7 +131,7 @@ bool makeShape( const std::string& name, pliant_glue::ModelMesh& mesh )
 
 double enclosedVolume( const pliant_glue::ModelMesh& mesh, const Points& points )
 {
-	// From a corner of the body and not from the world's origin: far bodies keep their digits.
+	// Relative to a corner of the body instead of the world's origin, so that distant bodies keep their precision.
 	const Eigen::Vector3d from = points.col( 0 );
 	double six = 0;
 	for ( std::size_t t = 0; t < mesh.triangleCount(); ++t )

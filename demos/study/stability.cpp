@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | The stability matrix: run, kept line by line, and shown as a table.                                              |
+// | The stability matrix: run, stored line by line, and shown as a table.                                            |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/stability.h"
@@ -28,7 +28,7 @@ using Matrix = std::map<Key, Verdict>;
 
 constexpr const char* kHeader = "steps;seed;case;method;colour;reason;inverted;energy_growth;depth_cells;recovery_s;us_a_step";
 
-/// Lines of this plan's steps and seed; others are left where they are and not used.
+/// Lines of this plan's steps and seed; others stay in the file and are ignored.
 Matrix readMatrix( const std::string& path, const StabilityPlan& plan )
 {
 	Matrix matrix;

@@ -18,9 +18,9 @@ namespace pliant_study {
 
 namespace {
 
-constexpr double kFrontBudget = 2e-3; // s: under it ours have to be on the front
+constexpr double kFrontBudget = 2e-3; // s: up to this budget our methods have to be on the front
 
-/// Everything that has to be run, and what it is worth to the progress bar.
+/// All runs of the plan, and their weights in the progress bar.
 struct Job
 {
 	SceneInfo scene;
@@ -36,12 +36,12 @@ std::vector<Job> jobsOf( const StudyPlan& plan )
 		Candidate turned = reference( plan.candidates );
 		turned.setting += ", turned";
 		jobs.push_back( { scene, turned, 1 } );
-		// All of them at each orientation in turn: what else the machine does for a while then slows all alike.
+		// All candidates at each orientation in turn, so that temporary load on the machine slows all alike.
 		for ( int o = 0; o < plan.orientations; ++o )
 		{
 			for ( const Candidate& candidate : candidates( plan.candidates ) )
 			{
-				// Bullet's own bodies have no lattice: one orientation is all there is.
+				// Bullet's own bodies have no lattice: they have a single orientation.
 				if ( o == 0 || candidate.engine == Engine::Pliant )
 				{
 					jobs.push_back( { scene, candidate, o } );
@@ -57,7 +57,7 @@ class Runner
 public:
 	Runner( const StudyPlan& plan, const Specimen& specimen, RunStore& store ) : m_plan( plan ), m_specimen( specimen ), m_store( store ) {}
 
-	/// False when it was stopped or failed; `why` then says so.
+	/// False if it was stopped or failed; `why` then has the reason.
 	bool run( std::string& why )
 	{
 		std::vector<Job> jobs = jobsOf( m_plan );
@@ -147,7 +147,7 @@ private:
 	Reference m_reference;
 };
 
-/// Mean error between the reference and itself on a turned lattice: what is below it cannot be told apart.
+/// Mean error between the reference and one on a rotated lattice: smaller differences mean nothing.
 double floorOf( const std::vector<Record>& records, const std::string& scene )
 {
 	for ( const Record& record : records )

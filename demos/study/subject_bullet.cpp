@@ -1,5 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | Bullet's own soft bodies under study: pose matching and clusters, as close to the same material as they come.    |
+// | Bullet's own soft bodies under study: pose matching and clusters, with settings as close to the same material as |
+// | possible.                                                                                                        |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/subject.h"
@@ -44,7 +45,7 @@ public:
 			m_world.getWorldInfo(), positions.data(), triangles.data(), int( mesh.triangleCount() ), false ) );
 		m_body->setTotalMass( btScalar( double( order.candidate.material.density ) * order.specimen->volume ), true );
 		m_body->transform( order.place );
-		// Each step goes this share of the way to the goal: the same formula as for one cluster of ours.
+		// Alpha of each step: the same formula as for one cluster of ours.
 		const double fraction = wholeBodyAlpha( *order.specimen, order.candidate.material, kGameStep );
 		m_body->m_cfg.collisions = btSoftBody::fCollision::SDF_RS;
 		if ( order.candidate.engine == Engine::BulletPose )

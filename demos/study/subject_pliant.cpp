@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | A body of Pliant's under study, through the public face alone.                                                   |
+// | A body of Pliant's under study, through the public face only.                                                    |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/must_succeed.h"
@@ -70,7 +70,7 @@ public:
 				return status.sentence;
 			}
 		}
-		m_body->setActivationState( DISABLE_DEACTIVATION ); // a sleeping body's time would be no time
+		m_body->setActivationState( DISABLE_DEACTIVATION ); // the time of a sleeping body would be meaningless
 		if ( order.candidate.substeps > 0 )
 		{
 			m_world.setSoftSubsteps( order.candidate.substeps );
@@ -138,7 +138,7 @@ public:
 
 	int hold( const btVector3& low, const btVector3& high ) override
 	{
-		// Big nodes have their middles elsewhere: what is to be held is split first, a few steps at rest.
+		// The centres of coarse nodes are elsewhere: nodes to be held are split first, in a few steps at rest.
 		for ( int k = 0; k < kStepsToSplit && m_body->material().method == pliant::Method::Lattice; ++k )
 		{
 			m_body->requestRefinement( low, high );

@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | Runs put together.                                                                                               |
+// | Runs combined.                                                                                                   |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/summary.h"
@@ -16,8 +16,8 @@ namespace pliant_study {
 
 namespace {
 
-constexpr double kTimeNoise = 1.1;   // what a step takes differs by that much from run to run
-constexpr double kLeastError = 1e-7; // below it a mean of logarithms is of no use: the vertices are floats
+constexpr double kTimeNoise = 1.1;   // the times of a step vary by that factor from run to run
+constexpr double kLeastError = 1e-7; // below it a mean of logarithms is meaningless: the vertices are floats
 
 void markFront( std::vector<Summary>& all )
 {
@@ -30,7 +30,7 @@ void markFront( std::vector<Summary>& all )
 	}
 }
 
-/// The middle one of a candidate's runs; of an even number the lower one: what disturbs a run only makes it longer. 0 of none.
+/// The median of a candidate's runs; of an even number the lower middle one, since disturbances only make a run longer. 0 without runs.
 double middleOver( const std::vector<Record>& records, const Summary& of, const std::string& scene, double Record::*time )
 {
 	std::vector<double> times;
@@ -81,7 +81,7 @@ void addRun( Summary& sum, const Record& record )
 		sum.worstOrientation = record.orientation;
 	}
 	const auto most = []( double& to, double value ) { to = std::max( to, value ); };
-	most( sum.bytes, record.bytes ); // what later runs take from memory that was freed before is not seen: the first says it
+	most( sum.bytes, record.bytes ); // later runs reuse memory that was freed, which is not counted: the first run has the full number
 	most( sum.volumeDrift, record.volumeDrift );
 	most( sum.momentumDrift, record.momentumDrift );
 	most( sum.spinDrift, record.spinDrift );

@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs put together: what each candidate costs and how wrong it is, who is on the front, and what to take for a budget.
+// Runs combined: cost and error of each candidate, the front, and the best candidate for a budget.
 
 #include "demos/study/measure.h"
 
@@ -11,7 +11,7 @@
 
 namespace pliant_study {
 
-/// One candidate in one scene, or in all: means over orientations (errors of several scenes: geometric mean of theirs).
+/// One candidate in one scene, or in all: means over orientations (of errors over several scenes: geometric means).
 struct Summary
 {
 	std::string candidate, family;
@@ -19,7 +19,7 @@ struct Summary
 	int runs = 0;
 	std::string refused;
 	double nodes = 0, substeps = 0, bytes = 0;
-	double median = 0, slow = 0, slowest = 0; ///< s a game step; the middle ones of the runs'
+	double median = 0, slow = 0, slowest = 0; ///< s a game step; medians over the runs
 	StageTimes stages{};
 	Errors errors, last;
 	double spread = 0; ///< standard deviation of the mean error over orientations
@@ -28,22 +28,22 @@ struct Summary
 	std::vector<double> curve;
 	double volumeDrift = 0, momentumDrift = -1, spinDrift = -1, energyGrowth = -1, brokenAt = -1;
 	bool isHealthy = true;
-	bool isOnFront = false; ///< nothing is both faster and better
+	bool isOnFront = false; ///< no other is both faster and more accurate
 };
 
-/// Of one scene, in the order of the records; marks the front. The reference and its turned twin are left out.
+/// Of one scene, in the order of the records; marks the front. The reference and the one on a rotated lattice are omitted.
 std::vector<Summary> summarise( const std::vector<Record>& records, const std::string& scene );
-/// Of all the scenes of which there are summaries; candidates that were refused in one are left out.
+/// Over all scenes that have summaries; candidates that were refused in one are omitted.
 std::vector<Summary> combine( const std::vector<std::vector<Summary>>& scenes );
 
-/// The best on or under a budget, s a step; null where nothing is.
+/// The most accurate within a budget, s a step; null if there is none.
 const Summary* best( const std::vector<Summary>& all, double budget, bool oursOnly = false );
 
-/// How ours stand against the others' front under `budget`, s.
+/// Our methods compared with the front of the others under `budget`, s.
 struct Standing
 {
-	double ratio = 0;  ///< the worst: our error over theirs, ours no slower but for noise; 0 where there are no others
-	double noise = 0;  ///< what both errors' spread over orientations makes of that ratio
+	double ratio = 0;  ///< the worst case: our error over theirs, ours no slower except for noise; 0 if there are no others
+	double noise = 0;  ///< sum of both errors' relative spreads over orientations
 	std::string other; ///< who it is
 };
 Standing standing( const std::vector<Summary>& all, double budget );

@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | Theory where no formula does: a heavy beam, a rubber bar, Cook's membrane.                                       |
+// | Theory without a closed form: a heavy beam, a rubber bar, Cook's membrane.                                       |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/theory.h"
@@ -20,7 +20,8 @@ constexpr int kBeamSteps = 2000;
 constexpr int kHalvings = 60;
 constexpr int kCookElements = 64; // along an edge, of the finer mesh
 
-/// Turns of a beam from its clamp on, for a curvature k there: theta'' = -load ( 1 - s ) cos( theta ), downwards counted. Midpoint rule.
+/// Rotations of a beam from its clamp on, for a curvature k there: theta'' = -load ( 1 - s ) cos( theta ), downwards positive. Midpoint
+/// rule.
 struct BeamEnd
 {
 	double curvature = 0;
@@ -47,7 +48,7 @@ BeamEnd shoot( double load, double k, double s )
 	return end;
 }
 
-/// A corner of the membrane's mesh: 48 wide, 44 high at the left, 16 at the right, which is 44 higher.
+/// A corner of the membrane's mesh: 48 wide, 44 high at the left, 16 at the right, whose top is 16 higher.
 Eigen::Vector2d cookPoint( double u, double v )
 {
 	return { 48 * u, 44 * v + u * ( 44 - 28 * v ) };
@@ -81,7 +82,7 @@ Element elementStiffness( const Eigen::Matrix<double, 4, 2>& corners, double nu 
 	return stiffness;
 }
 
-/// How far ( x, y ) goes up, on a mesh of n x n elements.
+/// The upward displacement of ( x, y ), on a mesh of n x n elements.
 double cookOn( int n, double nu, double x, double y )
 {
 	const auto number = [n]( int i, int j ) { return i * ( n + 1 ) + j; };
@@ -120,7 +121,7 @@ double cookOn( int n, double nu, double x, double y )
 		load[2 * ( number( n, j ) - held ) + 1] = ( j == 0 || j == n ? 0.5 : 1.0 ) / n;
 	}
 	const Eigen::VectorXd moved = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>( matrix ).solve( load );
-	// Bilinear between the corners of the element that holds the point.
+	// Bilinear between the corners of the element that contains the point.
 	const double u = x / 48 * n, v = ( y - 44 * x / 48 ) / ( 44 - 28 * x / 48 ) * n;
 	const int i = std::min( n - 1, int( u ) ), j = std::min( n - 1, int( v ) );
 	const double a = u - i, b = v - j;
@@ -132,7 +133,7 @@ double cookOn( int n, double nu, double x, double y )
 
 Eigen::Vector2d heavyElastica( double load, double s )
 {
-	// The curvature at the clamp at which none is left at the free end: the moment there is between 0 and the straight beam's, load / 2.
+	// The curvature at the clamp for which none is left at the free end: the moment there is between 0 and the straight beam's, load / 2.
 	double low = 0, high = load / 2;
 	for ( int k = 0; k < kHalvings; ++k )
 	{
@@ -157,7 +158,7 @@ double neoHookeanAcross( double stretch, double nu )
 double cookDeflection( double nu, double x, double y )
 {
 	const double coarse = cookOn( kCookElements / 2, nu, x, y ), fine = cookOn( kCookElements, nu, x, y );
-	return fine + ( fine - coarse ) / 3; // the error falls with the square of the elements' size
+	return fine + ( fine - coarse ) / 3; // the error is proportional to the square of the elements' size
 }
 
 std::string shortNumber( double value )

@@ -1,5 +1,5 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | Those on the front at the moment they are worst, with the reference beside them.                                  |
+// | The candidates on the front at their worst moments, next to the reference.                                        |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/page.h"
@@ -46,7 +46,7 @@ std::string base64( const std::string& bytes )
 	return text;
 }
 
-/// Positions and normals ready to draw.
+/// Positions and normals in drawable form.
 struct DrawnMesh
 {
 	std::vector<float> positions, normals;

@@ -83,7 +83,7 @@ const std::byte* Archive::take( std::size_t size )
 	return first;
 }
 
-// A word changes its lane whatever came before and comes after: each step can be undone.
+// A word changes its lane bijectively: each step can be undone, so that no difference is lost.
 std::uint64_t hashOf( const std::byte* data, std::size_t size, std::uint64_t seed )
 {
 	std::uint64_t lane[kLanes];

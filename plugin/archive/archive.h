@@ -1,10 +1,10 @@
 #pragma once
 
-// Writes state to bytes, or reads it back, by one description: a function `void archive( Archive& )` of the structure, or `void archive(
-// Archive&, Structure& )` beside it, that names each field once. What is saved is therefore also restored.
+// Writes state to bytes, or reads it back, by one description that names each field once: a function `void archive( Archive& )` of the
+// structure, or a free function `void archive( Archive&, Structure& )`. What is written is therefore also read.
 //
-// Numbers are stored as they are in memory (little-endian, IEEE 754), without padding: equal states have equal bytes. Nothing is thrown on
-// bad data: the first problem is kept, and everything that is read after it is left as it is.
+// Numbers are stored as they are in memory (little-endian, IEEE 754), without padding: equal states have equal bytes. Bad data throws
+// nothing: the first problem is kept, and everything read after it keeps its value.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -46,8 +46,8 @@ concept HasArchive = requires( T& value, Archive& archive )
 class Archive
 {
 public:
-	/// Writes over `to`, whose memory is used before more is taken: a list that is written again each frame is neither filled with zeros
-	/// nor enlarged. `finish` cuts off what is left of it. Not to be copied while it writes.
+	/// Overwrites `to`, whose memory is reused: a list that is written again each frame is neither filled with zeros nor enlarged. `finish`
+	/// removes the old rest of it. Must not be copied while it writes.
 	explicit Archive( std::vector<std::byte>& to ) : m_to( &to ), m_at( to.data() ), m_limit( to.data() + to.size() ) {}
 	/// Reads.
 	Archive( const std::byte* data, std::size_t size ) : m_from( data ), m_end( data + size ) {}
@@ -59,11 +59,11 @@ public:
 	void trust() { m_isTrusted = true; }
 	bool isTrusted() const { return m_isTrusted; }
 	bool isSound() const { return m_problem == nullptr; }
-	/// A sentence on what is wrong; null while nothing is.
+	/// A sentence on what is wrong; null while all is valid.
 	const char* problem() const { return m_problem; }
 	/// Keeps the first problem; `sentence` must last.
 	void refuse( const char* sentence ) { m_problem = m_problem ? m_problem : sentence; }
-	/// Refuses what is read where a condition does not hold. Returns isSound().
+	/// Refuses the data if a condition does not hold. Returns isSound().
 	bool require( bool holds, const char* sentence )
 	{
 		if ( isReading() && !holds )
@@ -135,7 +135,7 @@ public:
 			raw( array.data(), array.size() * sizeof( T ) );
 		}
 	}
-	/// Refuses what is read where one of the first `count` numbers is NaN or infinite.
+	/// Refuses the data if one of the first `count` numbers is NaN or infinite.
 	template <class List>
 	void requireFinite( const List& numbers, std::size_t count )
 	{
@@ -188,10 +188,10 @@ public:
 
 	/// Bytes that are not read yet.
 	std::size_t left() const { return isSound() ? std::size_t( m_end - m_from ) : 0; }
-	/// A part with its length in front: opens one to write; `close` with what `open` returned.
+	/// A part preceded by its length: opens one for writing; `close` takes the return value of `open`.
 	std::size_t open();
 	void close( std::size_t opened );
-	/// An archive of the next such part, which is then passed. `tag` tells the parts of a snapshot apart.
+	/// An archive of the next such part, which is then skipped. `tag` distinguishes the parts of a snapshot.
 	Archive part();
 	const std::byte* data() const { return m_from; }
 

@@ -178,8 +178,8 @@ public:
 	// --- rigid while stiff (Material::rigidStrain) -----------------------------------------------------------------------
 	/// Null while the body deforms.
 	const RigidState* rigidState() const { return m_rigid.get(); }
-	/// Whether its strains and vibrations are below `largestInvisibleStrain`, and nothing else keeps it from being rigid: pinned nodes,
-	/// several parts, plastic flow, broken links. One that has been at rest for a while may be strained by more in some places.
+	/// Whether its strains and vibrations are below `largestInvisibleStrain`, and nothing else prevents the rigid state: pinned nodes,
+	/// several parts, plastic flow, broken links. A body that has been at rest for a while may be strained by more in some parts.
 	bool canBecomeRigid( bool isAtRest ) const;
 	/// From now on nodes keep their positions relative to each other; momentum and spin stay as they are, vibrations end.
 	void becomeRigid();
@@ -271,8 +271,8 @@ public:
 		std::shared_ptr<const Lattice> lattice;
 		std::shared_ptr<TemplateCache> cache;
 	};
-	/// Writes or reads what the body is made of: settings, levels, and of one that has broken the lattice and its tables. Two bodies with
-	/// equal bytes here can read each other's state.
+	/// Writes or reads what the body is made of: settings, levels, and for a broken body its lattice and tables. Two bodies with equal
+	/// bytes here can read each other's state.
 	void archiveMake( Archive& archive, const Shared& shared );
 	/// Writes or reads all that changes from step to step.
 	void archiveState( Archive& archive );
@@ -324,7 +324,7 @@ private:
 		double mean = 0.0, largest = 0.0, ofBreakable = 0.0;
 	};
 	StrainSize strainSize() const;
-	/// Whether no node's velocity differs from the rigid motion by what strains the body by `limit`.
+	/// Whether every node's velocity differs from the rigid motion by less than a velocity that strains the body by `limit`.
 	bool vibratesLess( double limit ) const;
 	/// Whether some of it is strained by more than `largestInvisibleStrain`.
 	bool isBent( const StrainSize& strain ) const { return strain.largest > largestInvisibleStrain(); }

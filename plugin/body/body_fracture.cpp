@@ -178,7 +178,7 @@ float cellCrackTime( const Lattice& lattice, const Material& material )
 	return material.stiffness == Stiffness::YoungsModulus ? lattice.cellSize / ( kCrackSpeed * waves ) : 0.0f;
 }
 
-/// Middle and normal of a set of points: the mean, and the direction in which they spread least.
+/// Centre and normal of a set of points: the mean, and the direction in which they spread least.
 void fitPlane( const std::vector<Vec3d>& points, Vec3d& middle, Vec3d& normal )
 {
 	Vec3d sum = Vec3d::Zero();

@@ -217,7 +217,7 @@ void Body::applyPull()
 	includePulled();
 }
 
-/// Extends the velocity bounds to what draws the nodes.
+/// Extends the velocity bounds by the pull to a pose.
 void Body::includePulled()
 {
 	for ( int i = 0; i < m_nodes.count; ++i )

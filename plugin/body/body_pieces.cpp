@@ -1,4 +1,4 @@
-// Pieces of a body that has come apart: finding them, and moving the state of the whole to them. Ohta et al. 2009, "Fracturing".
+// Pieces of a body that has broken apart: finding them, and moving the state of the whole to them. Ohta et al. 2009, "Fracturing".
 
 #include "body/body.h"
 #include "body/breaking.h"

@@ -36,7 +36,7 @@ struct BodyTemplate::Data
 
 	std::mutex tableMutex;
 	std::shared_ptr<const std::vector<float>> tangents;
-	std::shared_ptr<const SkinTables> skinTables; ///< null: nobody has asked for them
+	std::shared_ptr<const SkinTables> skinTables; ///< null: not requested yet
 
 	// For cracks, which most templates never use.
 	std::vector<float> positions; ///< of the mesh's vertices, m
@@ -205,7 +205,7 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::scaled( float factor )
 	}
 }
 
-// Caches, and what cracks show, follow from the rest.
+// Caches and the crack complex are derived from the rest.
 void BodyTemplate::Data::archive( Archive& archive, bool withReport )
 {
 	if ( archive.isReading() )

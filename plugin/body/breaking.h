@@ -45,11 +45,11 @@ struct Breaking
 	float candidateStrain( float strain ) const;
 	/// Writes or reads settings and limits. `isWhole`: the lattice is the template's, whose limits follow from the settings.
 	void archiveMake( Archive& archive, const Lattice& lattice, const Material& material, bool isWhole );
-	/// Writes or reads what changes from step to step.
+	/// Writes or reads the data that changes from step to step.
 	void archiveState( Archive& archive, const Lattice& lattice );
 };
 
-/// A part of a body that has come apart. Its nodes are a subset of the body's, in the same order.
+/// A part of a body that has broken apart. Its nodes are a subset of the body's, in the same order.
 struct BodyPiece
 {
 	std::unique_ptr<Body> body;
@@ -70,7 +70,7 @@ struct BreakReport
 	int links = 0;                ///< broken
 	double area = 0.0;            ///< m^2, of one side, from the links between cells that share a face
 	double energy = 0.0;          ///< J, of the broken links: E e^2 / 2 over their fraction of the material
-	Vec3d point = Vec3d::Zero();  ///< middle of the crack, relative to NodeState::origin
+	Vec3d point = Vec3d::Zero();  ///< centre of the crack, relative to NodeState::origin
 	Vec3d normal = Vec3d::Zero(); ///< of the plane that fits it best; either sign
 	double partingVelocity = 0.0; ///< m/s, mean of both sides
 	std::vector<CutTrace> traces; ///< BreakRule::Shards: borders of shards, by the cells of the body before, mesh coordinates

@@ -4,7 +4,8 @@
 
 namespace pliant {
 
-/// Factors by which a template may be scaled: beyond them lengths of a game's models leave what single precision can square.
+/// Bounds of the factor by which a template may be scaled: outside of them squares of a model's lengths leave the range of single
+/// precision.
 inline constexpr float kSmallestScale = 1e-6f, kLargestScale = 1e6f;
 
 } // namespace pliant

@@ -59,7 +59,7 @@ void ImplicitMotion::begin(
 	m_pull = pull.isOn() ? &pull : nullptr;
 	m_rates.prepare( matcher, nodes, runner );
 	measurePinned();
-	// Nodes in one point cannot rotate, whatever the inertia.
+	// Nodes in one point cannot rotate, for any inertia.
 	const auto least = [&]( double mass ) { return kLeastInertia * mass * step.secondMoment; };
 	raiseInertias( least, [&]( double mass ) { return least( mass ) / 3.0; } );
 

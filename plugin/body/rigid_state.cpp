@@ -149,7 +149,7 @@ bool Body::isHardlyStrained( const StrainSize& strain ) const
 	return strain.mean <= largestInvisibleStrain() && strain.ofBreakable <= rigidBreakStrain();
 }
 
-// What is calm under a load that strains a part of it visibly, such as a shard in a heap, may be rigid for as long as the load stays.
+// A body under a load that strains a part of it visibly, such as a shard in a heap, may be rigid while the load stays, if it is calm.
 bool Body::canBecomeRigid( bool isAtRest ) const
 {
 	const double limit = largestInvisibleStrain();

@@ -22,7 +22,7 @@ struct RigidState
 	RigidMotion motion;
 	double mass = 0.0; ///< kg
 	Vec3d moments =
-		Vec3d::Zero();   ///< principal moments of inertia, kg m^2; 0: no node is beside that axis, and the body has no spin about it
+		Vec3d::Zero();   ///< principal moments of inertia, kg m^2; 0: all nodes are on that axis, and the body has no spin about it
 	Vec3Array arm;       ///< node positions in the frame, m
 	bool isBent = false; ///< by more than Body::largestInvisibleStrain, by a load that has to stay
 };

@@ -11,7 +11,7 @@ bool Body::hasBrokenLinks() const
 	return false;
 }
 
-Breaking::Breaking() = default; // never called, as what follows
+Breaking::Breaking() = default; // never called, like the functions below
 
 Breaking::~Breaking() = default;
 

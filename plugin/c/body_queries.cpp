@@ -1,4 +1,4 @@
-// Soft bodies are made, and asked.
+// Creation of soft bodies, and queries.
 
 #include "c/handles.h"
 #include "c/numbers.h"
@@ -22,7 +22,7 @@ pliant_body_settings defaultBody()
 	return settings;
 }
 
-/// What a pliant_body_settings leads to.
+/// Conversion of pliant_body_settings.
 struct Taken
 {
 	pliant_body_settings full = defaultBody();

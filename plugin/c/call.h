@@ -1,6 +1,6 @@
 #pragma once
 
-// What every function of the C face does: nothing is thrown out of it, and a refusal leaves a sentence with the thread.
+// Common to all functions of the C face: no exception leaves a function, and a refusal stores a sentence for the thread.
 
 #include "pliant/c/types.h"
 #include "pliant/result.h"
@@ -54,7 +54,7 @@ inline pliant_result refuseSize() noexcept
 		PLIANT_BAD_ARGUMENT, "The size of a structure is none that this version knows: call its _init function, pass its sizeof." );
 }
 
-/// Writes what the caller's version of a structure has of `full`.
+/// Writes the fields of `full` that the caller's version of a structure has.
 template <class T>
 pliant_result writeSized( T full, T* out, std::uint32_t size )
 {
@@ -71,7 +71,7 @@ pliant_result writeSized( T full, T* out, std::uint32_t size )
 	return PLIANT_OK;
 }
 
-/// Reads what the caller's version of a structure has over the defaults in `full`. Null: the defaults.
+/// Reads the fields that the caller's version of a structure has over the defaults in `full`. Null: the defaults.
 template <class T>
 pliant_result readSized( const T* given, T& full )
 {

@@ -1,12 +1,12 @@
 #pragma once
 
-// Limits of what the C face passes on to Bullet, which does not check it itself.
+// Limits for values that the C face passes to Bullet, which does not check them.
 
 namespace pliant::c {
 
 /// Largest coordinate of a position, m: that of SoftBody::create.
 inline constexpr double kMostPosition = 1e9;
-/// Largest length of a rigid shape, m: at 1e6 m a float still tells 6 cm apart.
+/// Largest length of a rigid shape, m: at 1e6 m the resolution of a float is 6 cm.
 inline constexpr double kMostLength = 1e6;
 /// Largest mass of a rigid body, kg: its inertia, times the square of kMostLength, stays a finite float.
 inline constexpr double kMostMass = 1e12;

@@ -1,4 +1,4 @@
-// What happened in the last step, and rays.
+// Events of the last step, and rays.
 
 #include "c/handles.h"
 #include "c/numbers.h"
@@ -70,7 +70,7 @@ pliant_contact_event inC( pliant_world& world, const ContactEvent& event )
 pliant_attachment_event inC( pliant_world& world, const AttachmentEvent& event )
 {
 	pliant_attachment_event c{};
-	c.attachment = event.id; // an event goes when a body that it names goes
+	c.attachment = event.id; // an event is removed with a body that it names
 	c.body = identityOf( *event.body );
 	c.other = event.other ? identityOf( *event.other ) : identityOf( world, event.rigid );
 	c.force = vectorOf( event.force );

@@ -56,7 +56,7 @@ struct WholeWorld
 struct Other
 {
 	btCollisionObject* object = nullptr;
-	std::unique_ptr<RigidBody> made; ///< null for what C++ has made
+	std::unique_ptr<RigidBody> made; ///< null for objects made through C++
 };
 
 } // namespace pliant::c
@@ -91,7 +91,7 @@ pliant_id identityOf( const SoftBody& body );
 /// The same for a soft body that a FractureEvent points to; 0 where it has been destroyed since.
 pliant_id identityInEvent( const pliant_world& world, const SoftBody* body );
 
-/// Why there is no object of the kind wanted for an identity.
+/// The reason why an identity names no object of the required kind.
 pliant_result refuseIdentity( const pliant_world* world, pliant_id id, const char* kind ) noexcept;
 
 /// Calls `work( SoftBody& )`.

@@ -1,4 +1,4 @@
-// Identities, what all objects have in common, and their end.
+// Identities, functions for all kinds of objects, and their destruction.
 
 #include "c/handles.h"
 #include "c/numbers.h"
@@ -16,7 +16,7 @@ namespace pliant::c {
 
 namespace {
 
-// Compares pointers only: what C++ has made may be gone.
+// Compares pointers only: objects made through C++ may have been deleted.
 bool isInWorld( const pliant_world& world, const btCollisionObject* object )
 {
 	const btCollisionObjectArray& all = world.host->bulletWorld().getCollisionObjectArray();

@@ -14,7 +14,7 @@ pliant_result checkDynamic( const btRigidBody& body )
 											: PLIANT_OK;
 }
 
-/// The velocities that an impulse leads to are within what is allowed.
+/// The velocities that an impulse causes are within the limits.
 pliant_result checkImpulse( const btRigidBody& body, const pliant_vec3& impulse, const pliant_vec3& point )
 {
 	const btVector3 push = vectorOf( impulse );

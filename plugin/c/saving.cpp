@@ -10,8 +10,8 @@ namespace pliant::c {
 
 namespace {
 
-// A body that is made again belongs to the library's world, as a fragment does, where it would count as debris: what came off nothing is
-// again the C face's.
+// A body that is created again belongs to the library's world, as a fragment does, where it would count as debris: bodies that are not
+// fragments are given back to the C face.
 void takeOver( pliant_world& world, const std::vector<SoftBody*>& created )
 {
 	for ( SoftBody* const body : created )

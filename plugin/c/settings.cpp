@@ -168,7 +168,7 @@ C made( const Cpp& cpp, Fields&& fields )
 	return c;
 }
 
-/// `full`: the defaults, which what the caller's version has is written over.
+/// `full`: the defaults, which the fields of the caller's version overwrite.
 template <class C, class Cpp, class Fields>
 pliant_result taken( const C* given, C& full, Cpp& out, pliant_result refusal, Fields&& fields )
 {

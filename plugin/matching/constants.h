@@ -24,7 +24,7 @@ inline constexpr double kInertiaFloor = 1e-6;
 inline constexpr double kCellInertia = 0.1;
 /// A body that breaks is rigid up to this fraction of the strain at which its weakest link breaks.
 inline constexpr double kRigidBreakFraction = 0.8;
-/// A body that a load strains visibly somewhere is calm, and may be rigid, where it vibrates by less than this fraction of what is visible.
+/// A body that a load strains visibly somewhere is calm, and may be rigid, if it vibrates by less than this fraction of the visible limit.
 inline constexpr double kCalmFraction = 0.2;
 /// Largest Material::rigidStrain: more could be seen.
 inline constexpr float kLargestRigidStrain = 0.1f;
@@ -83,7 +83,7 @@ inline constexpr float kLargestDamping = 1000.0f;
 inline constexpr int kLargestHalfWidth = 4;
 inline constexpr int kLargestClusterEdge = 64;
 
-/// The suggested number of substeps for a modulus that is out of reach is clamped to this, which stands for "never".
+/// The suggested number of substeps for a modulus that is out of reach is limited to this, which means "never".
 inline constexpr int kMostSubstepsNamed = 1000000;
 
 inline constexpr float kLargestYieldStrain = 10.0f;
@@ -106,7 +106,7 @@ inline constexpr int kLimitRounds = 8;
 /// from the world's origin, and the same on every machine.
 inline constexpr double kOriginGrid = 1.0 / 16.0;
 
-/// Nodes are clamped to this speed, m/s: higher speeds are errors of the game, and 16-bit cell hashes and float contacts fail beyond it.
+/// Nodes are clamped to this velocity, m/s: higher ones are errors of the game, and 16-bit cell hashes and float contacts fail beyond it.
 inline constexpr float kSpeedLimit = 1.0e5f;
 
 /// Substeps between two reviews of the strains: a split a few substeps late is invisible, a review in every substep costs some per cent.
@@ -121,11 +121,11 @@ inline constexpr float kEnergyRemovalTime = 0.5f;
 /// Level changes that arrays are reserved for, each with the largest number of new nodes. Reserved but untouched memory is not committed.
 inline constexpr int kScratchChanges = 10;
 
-/// Memory of a body with levels that is touched from the start, relative to what its nodes need.
+/// Memory of a body with levels that is allocated from the start, relative to what its nodes need.
 inline constexpr double kScratchFraction = 1.125;
 
-/// Nodes of a snapshot further out than this, m, or faster than this, m/s, are refused: squares of such numbers are still finite. A body is
-/// never placed further out, nor given a tenth of the speed.
+/// Nodes of a snapshot farther out than this, m, or faster than this, m/s, are refused: squares of such numbers are still finite. A body is
+/// never placed farther out, nor given a tenth of the velocity.
 constexpr float kFarthestStored = 1.0e9f, kFastestStored = 1.0e6f;
 
 } // namespace pliant

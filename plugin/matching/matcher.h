@@ -69,7 +69,7 @@ public:
 	/// True where `nodeFlow` would write.
 	virtual bool hasFlowed() const { return false; }
 
-	/// Writes or reads what a substep leaves to the next; a matcher without it is refused.
+	/// Writes or reads the data that one substep passes to the next; a matcher without it is refused.
 	virtual void archive( Archive& archive );
 
 	/// Bytes held, including buffers, without data shared with other bodies.

@@ -99,10 +99,11 @@ inline constexpr double kPatchTolerance = 0.05;
 inline constexpr double kPatchPairDistance = 0.72, kPatchPairMargin = 0.25;
 /// A node has no patch where the cells around it are compressed below this fraction of their rest volume.
 inline constexpr double kLeastPatchVolume = 0.2;
-/// Least volume of the steps to the nodes that share a point, as a fraction of the box of their lengths, and largest weight of a node.
+/// Least volume of the parallelepiped of the offsets to the nodes that share a point, as a fraction of the box of their lengths, and
+/// largest weight of a node.
 inline constexpr double kLeastFractionVolume = 0.1, kMostFraction = 1.5;
 
-/// A soft body rotates about an axis where its moment of inertia is at least this fraction of what its cells have by themselves.
+/// A soft body rotates about an axis where its moment of inertia is at least this fraction of the sum of its cells' own.
 inline constexpr double kRollingInertia = 0.1;
 
 /// Deactivation (activation.cpp), relative to the velocity gained in a fall over the smallest node's radius: the root mean square velocity
@@ -111,8 +112,8 @@ inline constexpr double kSleepFraction = 0.03;
 /// ... or below that of a fall over kContactSlop, while no node moves by more than this many radii: a body pressed to and fro at rest.
 inline constexpr double kRestDisplacement = 0.1;
 
-/// A body in its rigid state may sleep where it turns slower than Bullet's threshold, or than this velocity of its farthest point, m/s: a
-/// shard of 10 cm that is pressed to and fro in a heap turns by 1 to 2 rad/s now and then.
+/// A body in its rigid state may sleep if its angular velocity is below Bullet's threshold, or if its farthest point is slower than this,
+/// m/s: a shard of 10 cm that is pressed to and fro in a heap rotates by 1 to 2 rad/s from time to time.
 inline constexpr double kSleepTurn = 0.15;
 
 /// Impulses of an island's contacts that add energy are scaled down at most to this: half an impulse still stops the approach.
@@ -172,7 +173,7 @@ inline constexpr int kAgreeSweeps = 32;
 inline constexpr double kAgreedFraction = 1e-3;
 /// Contacts conflict where the velocity found exceeds this many times the largest lack ...
 inline constexpr double kLargestExitDistance = 4.0;
-/// ... and the compromise weights the velocity of the static objects by this, beside 1 for each contact.
+/// ... and the compromise weights the velocity of the static objects by this, compared with 1 for each contact.
 inline constexpr double kAgreeRest = 0.01;
 /// Velocity at which two objects that were placed inside one another separate, m/s; stiff ones, which spring back, separate twice as fast.
 /// Bullet's own bodies, which do not spring, move as their depth requires.
@@ -235,7 +236,7 @@ inline constexpr double kSmoothCosine = 0.766;
 inline constexpr double kTriangleBorder = 1e-9;
 /// Smallest area, m^2 (squared: m^4), and length that is divided by.
 inline constexpr double kNoArea = 1e-60;
-/// A sphere that may end deeper inside of what it meets than its radius is swept with this fraction of it.
+/// A sphere that may penetrate deeper than its radius is swept with this fraction of its radius.
 inline constexpr double kLeastSweptRadius = 1e-3;
 /// Points of a surface whose distances differ by a smaller fraction are equally near: an edge seen from the triangles that share it.
 inline constexpr double kEqualDistance = 1e-6;
@@ -246,24 +247,24 @@ inline constexpr int kMostDoublings = 40;
 
 /// A link whose mobility is less than this fraction of that of a free body of its mass is held by its joints or its base.
 inline constexpr double kLeastLinkMobility = 1e-6;
-/// What its joints hold of a link moves by this fraction of what the link alone would: an exactly locked axis has no mass matrix.
+/// Directions in which joints hold a link have this fraction of the mobility of the free link: an exactly locked axis has no mass matrix.
 inline constexpr double kLockedLinkMobility = 1e-3;
 
 // --- Bodies in their rigid state (Material::rigidStrain) ---
 
 /// A hull may have this multiple of the volume of its material; where it has more, its nodes are divided among two.
 inline constexpr double kConvexVolume = 1.3;
-/// A hull is nowhere further inside of what it holds than this, in radii of the largest sphere: half as many corners make every search for
+/// A hull may lie inside of the spheres by at most this, in radii of the largest sphere: half as many corners make every search for
 /// contacts twice as fast.
 inline constexpr float kHullTolerance = 0.05f;
 /// Nodes that are not divided further, and the largest number of hulls of a body.
 inline constexpr int kLeastHullNodes = 12, kMostHulls = 32;
-/// Contacts of hulls last at least until they have parted or slid by this fraction of the hulls' margin, but not for that by more than
-/// kLongestLasting, m: what lies at rest falls 2.7 mm in a step of 1/60 s before its contacts hold it.
+/// Contacts of hulls last at least until they have separated or slid by this fraction of the hulls' margin, but not beyond kLongestLasting,
+/// m: a body at rest falls 2.7 mm in a step of 1/60 s before its contacts hold it.
 inline constexpr btScalar kLastingContact = btScalar( 0.5 ), kLongestLasting = btScalar( 0.004 );
 /// Radius of the area in which hulls touch, in radii of a body's smallest node sphere.
 inline constexpr btScalar kContactArea = btScalar( 0.5 );
-/// A body that touches something turns by at most this angle in a step, rad: an eighth of a turn, as Bullet's rigid bodies.
+/// A body that touches something rotates by at most this angle in a step, rad: an eighth of a turn, as for Bullet's rigid bodies.
 inline constexpr btScalar kFarthestTurn = btScalar( 0.785 );
 /// A body that has just become rigid is turned so far to find its contacts that its farthest corner moves by this fraction of the distance
 /// at which contacts end.
@@ -272,8 +273,8 @@ inline constexpr btScalar kFirstContactTurn = btScalar( 0.5 );
 inline constexpr int kRigidStart = 2, kRigidRetry = 3, kRigidPause = 6;
 /// Time for which a body has to be slow, as after a fall over its largest node at most, before it may be rigid while it is bent, s.
 inline constexpr double kBentRest = 0.25;
-/// Velocity at which bodies in their rigid state part from what their hulls overlap, m/s, and the least fraction of a penetration that a
-/// solver corrects in a step, which this is computed with.
+/// Velocity at which bodies in their rigid state separate from objects that their hulls overlap, m/s, and a lower bound for the fraction of
+/// a penetration that a solver corrects in a step, which is used to compute it.
 inline constexpr btScalar kRigidParting = btScalar( 0.3 ), kLeastCorrection = btScalar( 1e-3 );
 /// A body deforms again under more than this multiple of the load, N, that it became rigid under.
 inline constexpr double kRigidLoad = 2.0;
@@ -282,8 +283,8 @@ inline constexpr double kBentLoad = 0.25;
 
 // --- Attachments ---
 
-/// Fraction of the distance between the two points of an attachment that is to be closed within a substep. All of it overshoots with what
-/// else pulls on the points.
+/// Fraction of the distance between the two points of an attachment that is to be closed within a substep. The full distance would
+/// overshoot, since other forces pull on the points too.
 inline constexpr double kAttachmentReturn = 0.5;
 
 /// Stiffness k of an attachment of a body that steps explicitly, as a multiple of its nodes' mass: its points stay within F h^2 / ( r k )
@@ -300,7 +301,7 @@ inline constexpr double kLeastAttachedSpan = 0.5;
 constexpr int kMostTags = 1 << 24;
 
 /// Objects of a snapshot that are faster than this, m/s and rad/s, or pulled by more than this, N and N m, or whose axes are longer than
-/// this, are refused: what is computed from them stays finite.
+/// this, are refused: values computed from them stay finite.
 inline constexpr btScalar kFastestStoredObject = btScalar( 1e6 ), kStrongestStored = btScalar( 1e15 ), kLargestStoredAxis = btScalar( 1.1 );
 
 // --- Bodies that follow a pose ---
@@ -309,7 +310,7 @@ inline constexpr btScalar kFastestStoredObject = btScalar( 1e6 ), kStrongestStor
 /// precision in the solution of an implicit body.
 inline constexpr double kMostPoseGain = 1e5;
 
-/// Largest speed at which a pose draws a node, m/s.
+/// Largest velocity at which a pose pulls a node, m/s.
 inline constexpr double kMostPoseSpeed = 1e3;
 
 inline constexpr float kMostPoseDamping = 10.0f;
@@ -319,15 +320,16 @@ inline constexpr float kMostPoseDamping = 10.0f;
 /// Smallest inertia of a frame's patch about any axis, as a fraction of the largest: nodes on a line define no rotation.
 inline constexpr double kLeastFrameInertia = 1e-3;
 
-/// Largest radius of a frame's patch, times the distance from its middle to the body's farthest node: more takes in no more nodes, but
-/// makes the frame's sphere larger than Bullet's broadphase takes.
+/// Largest radius of a frame's patch, times the distance from its centre to the body's farthest node: a larger one includes no more nodes,
+/// but makes the frame's sphere too large for Bullet's broadphase.
 inline constexpr double kFarthestOfFrame = 2.0;
 
 /// Smallest mobility that Bullet's solver sees, 1/kg and 1/(kg m^2): where all nodes of the patch are held.
 inline constexpr double kLeastFrameMobility = 1e-6;
 
-/// Fraction of the difference by which the force that a frame of an implicit body expects of its joints follows theirs in a substep, for
-/// the exact mobility; times the least fraction of it in what Bullet sees. Learning faster than joints correct drives vibrations.
+/// Fraction of the difference by which the expected force of the joints on a frame of an implicit body follows the actual one in a substep,
+/// for the exact mobility; times the smallest ratio of the exact mobility to the one that Bullet sees. Faster learning than the joints'
+/// correction drives vibrations.
 inline constexpr double kFrameLearning = 0.25;
 
 /// Down to this ratio of the mobilities along the axes a frame has one mass in all directions.
@@ -336,8 +338,8 @@ inline constexpr double kIsotropicFrame = 0.5;
 /// Lower bound of that fraction.
 inline constexpr double kLeastFrameFraction = 0.1;
 
-/// Where the origin of a frame of a stiff implicit body is on the way from the patch to the body's centre of mass: impulses there turn it
-/// least, between the two where the patch gives way locally.
+/// Position of the origin of a frame of a stiff implicit body between the patch and the body's centre of mass: impulses there rotate it
+/// least, between the two because the patch deforms locally.
 inline constexpr double kFrameInward = 0.75;
 
 /// Up to this excess a frame of an explicit body learns at once: of joints that close a fraction e of their error a substep, 1 + 1 / e is

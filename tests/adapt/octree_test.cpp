@@ -42,7 +42,7 @@ TEST( Octree, OfACubeHalvesItsEdgeEachLevel )
 
 TEST( Octree, WhatABlockHoldsInTwoUnconnectedPartsIsTwoNodes )
 {
-	// Two plates with an empty layer between, both within one block of level 2.
+	// Two plates with an empty layer between them, both within one block of level 2.
 	const Lattice lattice = makeShapeLattice( { 4, 4, 4 }, 1.0f, []( int, int, int z ) { return z == 0 || z == 3; } );
 	const Octree octree = buildOctree( lattice, 2 );
 	EXPECT_EQ( octree.levelStart[3] - octree.levelStart[2], 2u );

@@ -1,4 +1,5 @@
-// The region matrix: its laws, its change with the cut against its slow twin, and the way it falls back to the uniform lattice.
+// The region matrix: its invariants, its changes with the cut compared with the reference implementation, and the uniform lattice as a
+// special case.
 
 #include "adapt/regions/region_matrix.h"
 #include "support/shapes.h"
@@ -21,7 +22,7 @@ void expectEqual( const RegionMatrix& a, const RegionMatrix& b )
 	EXPECT_EQ( a.unit, b.unit );
 }
 
-/// Value of region r at node a, straight from the definition.
+/// Value of region r at node a, directly from the definition.
 std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> byDefinition(
 	const Octree& octree, const Cut& cut, const FineRegions& fine )
 {
@@ -97,7 +98,7 @@ TEST( MultiplicityRegions, ChangedStepByStepAreThoseBuiltFromNothing )
 		RegionMatrix matrix = buildMultiplicityRegions( octree, cut, fine );
 		for ( int round = 0; round < 12; ++round )
 		{
-			// A new cut by chance, with whatever splits and merges lie between, several levels at once among them.
+			// A new random cut, which may differ by splits and merges over several levels at once.
 			std::vector<std::uint8_t> keeps( octree.parent.size() );
 			for ( std::uint8_t& k : keeps )
 			{
@@ -132,7 +133,7 @@ TEST( UnionRegions, ConservingOnesAreTheirOwnTranspose )
 		}
 		EXPECT_NEAR( own / octree.mass[cut.node[r]], 1.0, 1e-3 ); // rounding to units
 	}
-	// Literal weights: what a region sees of a node is the mass of the node's cells in it, never more than the node has.
+	// Literal weights: a region counts the mass of the node's cells in it, which is never more than the node's mass.
 	const RegionMatrix literal = buildUnionRegions( octree, cut, fine, UnionWeights::Literal );
 	ASSERT_EQ( literal.member, matrix.member );
 	for ( std::uint32_t r = 0; r < std::uint32_t( literal.count() ); ++r )

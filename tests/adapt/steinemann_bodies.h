@@ -22,7 +22,7 @@ inline Lattice makeRandomBlob( unsigned seed, int cells = 14 )
 	return makeBlobLattice( cells, 0.1f, seed, 5, [&random]( int, int ) { return random() % 6 != 0; } );
 }
 
-/// A cut by chance that can be changed a little: a switch for each octree node.
+/// A random cut that can be changed a little: a switch for each octree node.
 struct RandomCut
 {
 	RandomCut( const Octree& tree, unsigned seed ) : octree( tree ), random( seed ), keeps( tree.parent.size() )
@@ -38,7 +38,7 @@ struct RandomCut
 		return selectCut( octree, [this]( std::uint32_t n ) { return n >= octree.levelStart[1] && keeps[n] != 0; } );
 	}
 
-	/// Turns some switches of coarse nodes over: splits and merges, several levels at once among them.
+	/// Toggles some switches of coarse nodes: splits and merges, over several levels at once among them.
 	void turn( int switches )
 	{
 		const std::uint32_t coarse = std::uint32_t( octree.nodeCount() ) - octree.levelStart[1];

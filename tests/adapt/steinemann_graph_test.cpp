@@ -1,4 +1,4 @@
-// The visibility graph and the search on it: Steinemann et al. 2008, section 6. Each against its plain twin.
+// The visibility graph and the search on it: Steinemann et al. 2008, section 6. Each is compared with its reference implementation.
 
 #include "adapt/octree/bucket_moore.h"
 #include "steinemann_bodies.h"
@@ -121,7 +121,7 @@ VisibilityGraph paperGraph( const Octree& octree, const Cut& cut )
 	return graph;
 }
 
-/// In full material no edge crosses the surface, and leaving out those longer than one link changes no distance.
+/// In full material no edge crosses the surface, and omitting edges longer than one link changes no distance.
 TEST( VisibilityGraph, HasTheDistancesOfThePapersEdges )
 {
 	const Lattice lattice = makeShapeLattice( { 16, 19, 16 }, 0.1f, []( int, int, int ) { return true; } );
@@ -130,7 +130,7 @@ TEST( VisibilityGraph, HasTheDistancesOfThePapersEdges )
 	for ( unsigned seed = 1; seed <= 5; ++seed )
 	{
 		RandomCut switches( octree, seed );
-		switches.keeps[octree.levelStart[4]] = 0; // else one node is nearly all
+		switches.keeps[octree.levelStart[4]] = 0; // otherwise almost everything is one node
 		const Cut cut = switches.cut();
 		const VisibilityGraph graph = buildVisibilityGraph( lattice, octree, cut ), paper = paperGraph( octree, cut );
 		more += paper.to.size() - graph.to.size();
@@ -166,7 +166,7 @@ std::uint32_t distanceBetween(
 
 TEST( VisibilityGraph, GoesAroundConcaveCorners )
 {
-	// L: two arms of 16 cells, two wide. Straight from tip to tip 15 cells; through the material 15 + 14, less one at the inner corner.
+	// L: two arms of 16 cells, two wide. Straight from tip to tip 15 cells; through the material 15 + 14, minus one at the inner corner.
 	const Lattice l = makeShapeLattice( { 16, 16, 2 }, 1.0f, []( int x, int y, int ) { return x < 2 || y < 2; } );
 	// U: legs of 12 cells, two wide, two apart, on a base of two.
 	const Lattice u = makeShapeLattice( { 6, 14, 2 }, 1.0f, []( int x, int y, int ) { return y < 2 || x < 2 || x >= 4; } );
@@ -193,7 +193,7 @@ TEST( VisibilityGraph, NoEdgeCrossesBetweenFingers )
 {
 	const Lattice lattice = makeFingers( 6, 4, 18 );
 	const Octree octree = buildOctree( lattice, 3 );
-	const auto fingerOf = [&]( std::uint32_t node ) { // -1 for the palm and the blocks it stands in
+	const auto fingerOf = [&]( std::uint32_t node ) { // -1 for the palm and the blocks that overlap it
 		int finger = -1;
 		for ( std::uint32_t k = octree.cellStart[node]; k < octree.cellStart[node] + octree.cellCount[node]; ++k )
 		{
@@ -269,7 +269,7 @@ TEST( CutChange, FindsWhatStayed )
 
 TEST( BucketMoore, FindsTheDistancesOfDijkstra )
 {
-	BucketMoore search; // one scratch for all graphs and sources
+	BucketMoore search; // one scratch memory for all graphs and sources
 	for ( unsigned seed = 1; seed <= 6; ++seed )
 	{
 		const Lattice lattice = makeRandomBlob( seed );

@@ -1,4 +1,4 @@
-// Regions by intervals: Steinemann et al. 2008, sections 4.2 and 5. The paper's listing, done plainly, is the twin.
+// Regions by intervals: Steinemann et al. 2008, sections 4.2 and 5. The reference implementation is the paper's listing.
 
 #include "adapt/regions/interval_regions.h"
 #include "pliant/task_runner.h"
@@ -29,7 +29,7 @@ void expectEqual( const IntervalRegions& a, const IntervalRegions& b )
 	EXPECT_EQ( a.node, b.node );
 }
 
-/// Distances from one node to all, by rounds over all edges until none shortens (Bellman and Ford).
+/// Distances from one node to all, by passes over all edges until none shortens (Bellman and Ford).
 std::vector<std::uint32_t> allDistances( const VisibilityGraph& graph, std::uint32_t source )
 {
 	std::vector<std::uint32_t> least( std::size_t( graph.count() ), kFar );
@@ -52,7 +52,7 @@ std::vector<std::uint32_t> allDistances( const VisibilityGraph& graph, std::uint
 	return least;
 }
 
-/// The listing of section 4.2, with [a, b] of every octree node worked out, for one owner.
+/// The listing of section 4.2 for one owner, with [a, b] of every octree node computed.
 struct PlainListing
 {
 	const Octree& octree;
@@ -83,7 +83,8 @@ struct PlainListing
 		{
 			return;
 		}
-		if ( b < ( 1.0 + eps ) * width || b <= width ) // the second: at eps 0 what lies at w exactly is in, as in a lattice (3.2)
+		if ( b < ( 1.0 + eps ) * width ||
+			b <= width ) // the second condition: at eps 0 a node at distance w is inside, as in a lattice (3.2)
 		{
 			const SlotSpan span = slotsUnder( octree, cut, node );
 			for ( std::uint32_t slot = span.first; slot < span.end; ++slot )
@@ -186,7 +187,7 @@ TEST( IntervalRegions, AreThoseOfThePapersListing )
 	}
 }
 
-/// The law the listing is there for: nearer than w in, farther than ( 1 + eps ) w out, from either side.
+/// The property that the listing ensures: nodes nearer than w are inside, nodes farther than ( 1 + eps ) w outside, seen from either node.
 TEST( IntervalRegions, HoldWhatIsNearAndNothingFar )
 {
 	const float eps = 0.5f;
@@ -203,14 +204,14 @@ TEST( IntervalRegions, HoldWhatIsNearAndNothingFar )
 		for ( std::uint32_t j = 0; j < std::uint32_t( cut.count() ); ++j )
 		{
 			const bool isIn = std::binary_search( matrix.member.begin() + matrix.start[i], matrix.member.begin() + matrix.start[i + 1], j );
-			const double w = std::max( width[i], width[j] ); // the larger decides
+			const double w = std::max( width[i], width[j] ); // the larger width counts
 			EXPECT_TRUE( isIn || d[j] > w );
 			EXPECT_TRUE( !isIn || d[j] < ( 1.0 + eps ) * w );
 		}
 	}
 }
 
-/// At the finest level and eps 0 the regions are those of lattice shape matching, and the conserving weights its m / n.
+/// At the finest level and eps 0 the regions are those of lattice shape matching, and the conserving weights are its m / n.
 TEST( IntervalRegions, OfFinestNodesAreTheLattices )
 {
 	const Lattice lattice = makeRandomBlob( 2, 12 );
@@ -227,7 +228,7 @@ TEST( IntervalRegions, OfFinestNodesAreTheLattices )
 		EXPECT_EQ( found.mass, wanted.mass );
 		EXPECT_EQ( found.fraction, wanted.fraction );
 		EXPECT_EQ( found.unit, wanted.unit );
-		EXPECT_LT( regions.node.size(), found.member.size() ); // whole virtual nodes stand for their cells
+		EXPECT_LT( regions.node.size(), found.member.size() ); // virtual nodes represent all of their cells
 	}
 }
 
@@ -315,7 +316,7 @@ TEST( IntervalRegions, ChangedStepByStepAreThoseFoundFromNothing )
 		{
 			switches.turn( 1 + 2 * ( round % 4 ) );
 			const Cut next = switches.cut();
-			if ( round % 3 == 2 ) // the stiffness field is painted at run time
+			if ( round % 3 == 2 ) // the stiffness field is changed at run time
 			{
 				field[switches.random() % field.size()] += 8.0f;
 			}

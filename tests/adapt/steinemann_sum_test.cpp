@@ -52,7 +52,7 @@ TEST( HierarchicalSum, IsTheSumOverAllNodesOfTheRegion )
 			}
 		}
 
-		// Regions in pieces, in any order: the same bits.
+		// Regions split over several tasks, in any order: the same bits.
 		const int half = plan.slots / 2;
 		breadthSum( plan, records.data(), parts.data(), half, plan.slots );
 		breadthSum( plan, records.data(), parts.data(), 0, half );

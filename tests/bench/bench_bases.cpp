@@ -1,6 +1,6 @@
-// What a world that may hold soft bodies costs a scene without any, beside the world of Bullet's that it is over: the fourteen rigid scenes
-// of the tests, both worlds in turn. Counters: the medians over repetitions of a whole scene's steps, us a step, and their ratio, all
-// scenes together; and the ratio of the shortest times.
+// The cost that a world for soft bodies adds to a scene without any, compared with Bullet's world over which it is built: the fourteen
+// rigid scenes of the tests, both worlds in turn. Counters: the medians over repetitions of a whole scene's steps, us a step, and their
+// ratio, all scenes together; and the ratio of the shortest times.
 
 #include "support/bullet_worlds.h"
 #include "support/rigid_scenes.h"
@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kSteps = 300, kRepetitions = 24;
 
-/// Processor time of this thread, us: what else runs on the machine is not in it.
+/// Processor time of this thread, us: excludes other load on the machine.
 double now()
 {
 	timespec time{};
@@ -65,7 +65,7 @@ void rigidScenes( benchmark::State& state )
 			{
 				for ( int turn = 0; turn < 2; ++turn )
 				{
-					const int which = ( k + turn ) % 2; // neither is always the second
+					const int which = ( k + turn ) % 2; // the order alternates
 					times[which].push_back( which == 0 ? timeOf<Base, Base>( kind ) : timeOf<Base, SoftBodyWorldOver<Base>>( kind ) );
 				}
 			}

@@ -1,5 +1,5 @@
-// The core step on bodies that are no blocks: a Glob of metaballs, and the Stanford bunny when PLIANT_BUNNY names its OFF file
-// (demos/fetch_models.sh brings it: models/data/meshes/bunny00.off).
+// The core step on bodies that are not blocks: a Glob of metaballs, and the Stanford bunny if PLIANT_BUNNY names its OFF file
+// (demos/fetch_models.sh downloads it: models/data/meshes/bunny00.off).
 
 #include "lattice/test_meshes.h"
 #include "matching/step/lattice_matcher.h"
@@ -23,7 +23,7 @@ struct Triangles
 	std::vector<std::uint32_t> indices;
 };
 
-/// A plain OFF file of triangles without comments, as this one is; empty when it is anything else.
+/// A plain OFF file of triangles without comments, as the bunny's is; empty for any other file.
 Triangles readPlainOff( const char* path )
 {
 	Triangles mesh;

@@ -1,4 +1,4 @@
-// From a mesh of about 50 000 triangles to about 20 000 cells: what a loading screen waits for.
+// From a mesh of about 50 000 triangles to about 20 000 cells: the time that building adds to loading.
 
 #include "lattice/build/build_lattice.h"
 #include "lattice/hostile_meshes.h"
@@ -18,7 +18,7 @@ struct BumpySphere
 	std::vector<float> positions;
 	std::vector<std::uint32_t> indices;
 
-	/// rings x segments quads, poles as rings of one place: welding closes them.
+	/// rings x segments quads, poles as rings at one position: welding closes them.
 	BumpySphere( int rings, int segments, bool isOpen )
 	{
 		constexpr double kPi = std::numbers::pi;
@@ -81,7 +81,7 @@ BENCHMARK( buildBumpySphere )
 	->Unit( benchmark::kMillisecond )
 	->UseRealTime();
 
-// Each malformed mesh of the tests' corpus, whatever comes of it.
+// Each malformed mesh of the tests, with any result.
 void buildHostileMesh( benchmark::State& state, const pliant::test::HostileMesh& hostile )
 {
 	const pliant::test::Mesh mesh = hostile.make();

@@ -1,5 +1,5 @@
-// What one soft cube of 216 nodes costs a world of 3 000 rigid boxes: alone in Bullet's world, with the cube among them, and with it far
-// away. Counters: the median and the worst of 120 steps from the moment the heap is let go, ms.
+// The cost of one soft cube of 216 nodes in a world of 3 000 rigid boxes: the boxes alone in Bullet's world, with the cube among them, and
+// with the cube far away. Counters: the median and the worst of 120 steps after the heap is released, ms.
 
 #include "support/explicit_material.h"
 #include "support/test_world.h"

@@ -1,6 +1,6 @@
-// The small system in front of the implicit iteration (docs/design/implicit.md): blocks of six against Eigen's sparse factor, which goes by
-// single entries. As in a pile: 20 soft bodies of 12 unknowns and 32 rigid ones of 6, 432 in all, each feeling its neighbours in a heap of
-// layers of nine: the next two and those above and below.
+// The coarse system of the implicit preconditioner (docs/design/implicit.md): blocks of six compared with Eigen's sparse factor, which
+// works on single entries. As in a pile: 20 soft bodies of 12 unknowns and 32 rigid ones of 6, 432 in all, each coupled with its neighbours
+// in a heap of layers of nine: the next two and those above and below.
 
 #include "world/linear/coarse_system.h"
 

@@ -1,5 +1,5 @@
-// What a contact of an explicit body costs, counted: in all, and what of it is ours, outside of the solver, of Bullet's collision and of
-// matching (docs/design/contacts.md). The heap of bench_pile.h.
+// The cost of a contact of an explicit body: the total, and the library's part, which excludes the solver, Bullet's collision and matching
+// (docs/design/contacts.md). The heap of bench_pile.h.
 
 #include "bench_pile.h"
 
@@ -20,7 +20,7 @@ double secondsSince( Clock::time_point start )
 	return std::chrono::duration<double>( Clock::now() - start ).count();
 }
 
-/// Islands and solver, from what solveConstraints calls first to what it calls last.
+/// Islands and solver: from the first call that solveConstraints makes to the last.
 template <class Solver>
 class TimedSolver : public Solver
 {
@@ -80,7 +80,7 @@ void measurePile( benchmark::State& state )
 		scene.step( 1 );
 		const StepReport& report = scene.world.stepReport();
 		contacts = double( report.softContacts ) * report.substeps;
-		// Finding and writing contacts, places, what stands around the solver, and x += h v of all nodes.
+		// Finding and writing contacts, positions, the work around the solver, and x += h v of all nodes.
 		const double own = pairs + ( report.solve - solver.seconds ) + report.forces + report.integrate;
 		all.push_back( 1e6 * report.total / contacts );
 		ours.push_back( 1e6 * own / contacts );

@@ -1,4 +1,4 @@
-// Crack surfaces: building a template's cell complex, opening cracks, settling what is bound, taking pieces.
+// Crack surfaces: building a template's cell complex, opening cracks, updating the binding, extracting pieces.
 
 #include "lattice/build/build_lattice.h"
 #include "lattice/test_meshes.h"
@@ -15,7 +15,7 @@
 namespace pliant {
 namespace {
 
-/// About the bunny's numbers: 5 000 triangles, 2 000 cells.
+/// As large as the bunny: 5 000 triangles, 2 000 cells.
 struct Broken
 {
 	test::Mesh mesh = test::makeBumpySphere( 1.0, 0.2, 40, 64 );
@@ -115,12 +115,12 @@ BENCHMARK( takePieces )->Arg( 0 )->Arg( 1 )->Unit( benchmark::kMicrosecond );
 enum class Shown : int
 {
 	Whole,   ///< no crack yet: the input's vertices
-	Placed,  ///< cracked across the middle, what no crack parts is placed
+	Placed,  ///< cracked across the middle, cuts interpolated that no crack divides
 	Blended, ///< the same with every vertex blended from its cells
-	AsOne    ///< the same as Placed, panels as the input has them
+	AsOne    ///< the same as Placed, panels as in the input
 };
 
-/// The skin of a body of 500 cells that is turned and bent a little.
+/// The skin of a body of 500 cells that is rotated and slightly bent.
 void crackedSkin( benchmark::State& state )
 {
 	const Shown shown = Shown( state.range( 0 ) );

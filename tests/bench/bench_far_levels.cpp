@@ -1,4 +1,4 @@
-// What far levels cost a step: the same body at the same substep without them, and with one, two, three at work. Ratios of one run.
+// The cost of far levels in a step: the same body at the same substep without them, and with one, two and three active. Ratios of one run.
 
 #include "body/body.h"
 #include "support/block_body.h"
@@ -23,7 +23,7 @@ struct Shape
 const Shape kShapes[] = {
 	{ "bar 64x4x4", 64, 4, 4 }, { "bar 64x8x8", 64, 8, 8 }, { "block 16x16x16", 16, 16, 16 }, { "block 32x32x32", 32, 32, 32 } };
 
-/// `times`: Young's modulus over what the finest level reaches.
+/// `times`: Young's modulus over the reach of the finest level.
 std::unique_ptr<Body> makeBody( const Shape& shape, int farLevels, double times )
 {
 	Material material = test::explicitMaterial();
@@ -46,12 +46,12 @@ double secondsOf( Body& body )
 	return std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 }
 
-/// Both bodies step in turns, so that whatever else the machine does falls on both; the ratio is that of the least times.
+/// Both bodies step in turn, so that other load on the machine affects both; the ratio is that of the shortest times.
 void farLevels( benchmark::State& state )
 {
 	const Shape& shape = kShapes[state.range( 0 )];
 	const int levels = int( state.range( 1 ) );
-	const double times[] = { 1.0, 4.0, 20.0, 40.0 }; // needs just this many levels
+	const double times[] = { 1.0, 4.0, 20.0, 40.0 }; // each requires one level more
 	const std::unique_ptr<Body> plain = makeBody( shape, 0, 1.0 ), with = makeBody( shape, levels, times[levels] );
 	double least = 1e9, leastPlain = 1e9;
 	for ( auto _ : state )

@@ -1,4 +1,4 @@
-// What plasticity costs a step, as a ratio to the same elastic body: off, watched but never yielding, and with every region flowing.
+// The cost of plasticity in a step, as a ratio to the same elastic body: off, on but never yielding, and with flow in every region.
 
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
@@ -12,7 +12,7 @@ namespace {
 enum class Flow : int
 {
 	Off,
-	Watched, ///< a yield strain that nothing reaches
+	Watched, ///< a yield strain that is never reached
 	Flowed,  ///< every region has flowed, none does now
 	Flowing  ///< every region flows in every step
 };
@@ -26,7 +26,7 @@ void plasticity( benchmark::State& state )
 	NodeState nodes = test::restNodes( lattice );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		nodes.x.x[i] *= 1.3f; // held there: positions are never moved on
+		nodes.x.x[i] *= 1.3f; // held at these positions: x += h v is not called
 	}
 	Material material = test::explicitMaterial();
 	material.yieldStrain = flow == Flow::Off ? 0.0f : 0.01f;

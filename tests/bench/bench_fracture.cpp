@@ -1,4 +1,4 @@
-// Fracture: what the test of all links costs beside the step, and what an event costs by its parts. A block of side^3 cells.
+// Fracture: the cost of testing all links compared with the step, and the cost of an event by its parts. A block of side^3 cells.
 
 #include "body/body.h"
 #include "body/breaking.h"
@@ -55,7 +55,7 @@ void fractureTest( benchmark::State& state )
 		double( body->nodeCount() ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
 }
 
-/// All of an event's work in the core, for a crack through the middle that parts the body in two, or one that does not.
+/// All of an event's work in the core, for a crack through the middle that separates the body in two, or one that does not.
 void fractureApart( benchmark::State& state )
 {
 	const bool parts = state.range( 1 ) != 0;
@@ -93,10 +93,10 @@ void fractureShape( benchmark::State& state )
 	}
 }
 
-/// A block of 2 197 cells thrown at the floor at 20 m/s, an edge first (what falls flat is pressed evenly, and hardly breaks), looked at in
-/// every frame; E = 2 MPa. All fracture work: tests, edits, regions, new bodies, and the faces, drawn as by default or flat. At a strain of
-/// 0.007 there are 134 pieces by distance, at 0.009 60: any strain that makes 50 or more is a fair case of a block that goes to pieces.
-/// Each frame counts with the least it took in any run, and of these the worst is told.
+/// A block of 2 197 cells thrown at the floor at 20 m/s, an edge first (a flat impact is even, and breaks little), drawn in every frame; E
+/// = 2 MPa. All fracture work: tests, changed links, regions, new bodies, and the faces, default or flat. At a strain of 0.007 there are
+/// 134 pieces by distance, at 0.009 60: any strain that makes 50 or more is a fair case of a block that shatters. Each frame counts with
+/// its shortest time of all runs, and the worst of these is reported.
 void fractureThrown( benchmark::State& state )
 {
 	constexpr int kFrames = 60;

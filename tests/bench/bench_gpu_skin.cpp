@@ -1,4 +1,4 @@
-// What the skin of a frame costs the CPU: computed there, and as node transforms for the GPU. One thread.
+// The cost of the skin in a frame for the CPU: computed there, and as node transforms for the GPU. One thread.
 
 #include "lattice/test_meshes.h"
 #include "support/explicit_material.h"
@@ -21,7 +21,7 @@ double microseconds( Clock::time_point begin )
 	return std::chrono::duration<double, std::micro>( Clock::now() - begin ).count();
 }
 
-/// A bumpy sphere of as many vertices as the bunny has (16 456), in a world of its own.
+/// A bumpy sphere with as many vertices as the bunny (16 456), in a world of its own.
 struct Drawn
 {
 	test::WorldOf<SoftBodyWorld> in;
@@ -58,7 +58,7 @@ double medianOf( std::vector<double>& times )
 	return times[times.size() / 2];
 }
 
-/// In turn, frame by frame: the medians' quotient is the ratio.
+/// In turn, frame by frame: the result is the ratio of the medians.
 void skinOfAFrame( benchmark::State& state )
 {
 	Drawn onCpu( int( state.range( 0 ) ) ), onGpu( int( state.range( 0 ) ) );

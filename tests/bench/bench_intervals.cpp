@@ -1,4 +1,4 @@
-// Steinemann et al. 2008: what distances, regions and their change cost a node, and a fast sum a region.
+// Steinemann et al. 2008: the cost of distances, regions and their changes for each node, and of a fast sum for each region.
 
 #include "adapt/octree/bucket_moore.h"
 #include "adapt/regions/hierarchical_sum.h"
@@ -12,7 +12,7 @@ namespace {
 
 using namespace pliant;
 
-/// A blob with a fine skin and a coarse inside, and all that its regions stand on.
+/// A blob with a fine surface and a coarse inside, with the data that its regions are built from.
 struct BlobOfLevels
 {
 	Lattice lattice = test::makeBlobLattice( 34, 0.1f, 5, 6 );

@@ -1,4 +1,4 @@
-// One kernel at a time, 2 197 nodes of a block, w = 1: what of a step is sums, rotation, goals, integration.
+// One kernel at a time, 2 197 nodes of a block, w = 1: the parts of a step for sums, rotation, goals and integration.
 
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
@@ -60,7 +60,7 @@ void kernel( benchmark::State& state )
 	{
 		if ( stage == Stage::BoxSums )
 		{
-			// In place: without new records the sums would grow beyond float. Their cost stands in its own row.
+			// In place: without new records the sums would exceed the range of float. The cost of the records has a row of its own.
 			bestKernels().nodeRecords( view, 0, nodes.padded );
 		}
 		runStage( stage, bestKernels(), view, nodes.padded, open );

@@ -1,4 +1,4 @@
-// Levels of detail: what a step costs beside the uniform lattice of the same finest cells, naive and fast, and what changes cost.
+// Levels of detail: the cost of a step compared with the uniform lattice of the same finest cells, naive and fast, and the cost of changes.
 // Bodies: 0 a Glob of about the bunny's 2 248 cells (Ohta et al. 2009), 1 a palm with five thin fingers (Steinemann et al. 2008, Fig. 1).
 
 #include "body/body.h"
@@ -59,7 +59,7 @@ std::unique_ptr<Body> makeBody( std::shared_ptr<const Lattice> lattice, const Ma
 	return body;
 }
 
-/// Brute force, in double: every region sums its members anew.
+/// Brute force, in double: every region sums its members independently.
 void levelsNaive( benchmark::State& state )
 {
 	const auto lattice = bodyLattice( int( state.range( 0 ) ) );
@@ -101,7 +101,7 @@ BENCHMARK( levelsNaive )->Apply( arguments );
 BENCHMARK( levelsUniform )->Apply( arguments );
 BENCHMARK( levelsAdaptive )->Apply( arguments );
 
-/// One product of the implicit step, rows of regions side by side (docs/design/implicit.md) or one by one.
+/// One product of the implicit step, four rows at a time (docs/design/implicit.md) or one by one.
 void levelsProduct( benchmark::State& state )
 {
 	const std::unique_ptr<Body> body = makeBody(
@@ -130,7 +130,7 @@ void levelsProduct( benchmark::State& state )
 }
 BENCHMARK( levelsProduct )->ArgNames( { "body", "sliced" } )->ArgsProduct( { { 0, 1 }, { 0, 1 } } )->Unit( benchmark::kMicrosecond );
 
-/// About `count` new nodes at once in a Glob of 41 000 cells, and the merge back; the label says how many rows were made.
+/// About `count` new nodes at once in a Glob of 41 000 cells, and the merge; the label has the number of rows rebuilt.
 void levelsSplit( benchmark::State& state )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 70, 1.0f, 1 ) );

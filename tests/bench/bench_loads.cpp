@@ -1,4 +1,5 @@
-// What a frame costs under a box of 1 to 1 000 times a block's mass, against the same block with nothing on it (docs/design/implicit.md).
+// The cost of a frame under a box of 1 to 1 000 times a block's mass, compared with the same block without a load
+// (docs/design/implicit.md).
 
 #include "support/explicit_material.h"
 #include "support/test_world.h"
@@ -13,7 +14,7 @@ namespace {
 
 constexpr int kFrames = 400;
 
-/// A cube of 6 x 6 x 6 cells and 216 kg on a plane, put down within a millimetre of it, the box within another; nothing sleeps.
+/// A cube of 6 x 6 x 6 cells and 216 kg a millimetre above a plane, with the box a millimetre above it; nothing sleeps.
 struct LoadScene : test::SoftWorld
 {
 	LoadScene( const std::shared_ptr<const BodyTemplate>& cube, Elasticity elasticity, int halfWidth, double ratio, double modulus )
@@ -48,8 +49,8 @@ double meanOf( const std::vector<double>& values )
 	return sum;
 }
 
-/// Frame by frame in turn, the least of all runs for each frame: means over five seconds from the moment things are let go. The modulus
-/// lets the box sink in by a tenth.
+/// Frame by frame in turn, the shortest of all runs for each frame: means over five seconds from the release. With this modulus the box
+/// compresses the block by a tenth.
 void loadedBlock( benchmark::State& state )
 {
 	const auto cube = test::cubeTemplate( 0.6f, 6 );
@@ -64,7 +65,7 @@ void loadedBlock( benchmark::State& state )
 	{
 		LoadScene loaded( cube, Elasticity::Implicit, halfWidth, ratio, modulus );
 		LoadScene bare( cube, Elasticity::Implicit, halfWidth, 0, modulus );
-		// As stiff as one explicit step can be.
+		// The stiffest that an explicit step can be.
 		LoadScene plain( cube, Elasticity::Explicit, halfWidth, 0, 2e4 );
 		for ( std::size_t k = 0; k < kFrames; ++k )
 		{

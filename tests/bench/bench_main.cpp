@@ -29,8 +29,8 @@ struct Row
 {
 	std::string label;
 	double milliseconds = 0.0;
-	double nanosecondsPerNode = 0.0; ///< 0: not given
-	double bytesPerNode = 0.0;       ///< 0: not given
+	double nanosecondsPerNode = 0.0; ///< 0: unknown
+	double bytesPerNode = 0.0;       ///< 0: unknown
 };
 
 /// Prints to the console as usual and keeps the medians (or the single run).

@@ -1,5 +1,5 @@
-// Bullet's own soft bodies on the same block, in the same run: pose matching and clusters. Falling free, so that both pay for their
-// deformation model alone. Counter ns_per_node as in bench_step.cpp.
+// Bullet's own soft bodies on the same block, in the same run: pose matching and clusters. In free fall, so that only the deformation
+// models have a cost. Counter ns_per_node as in bench_step.cpp.
 
 #include <BulletSoftBody/btSoftBody.h>
 #include <BulletSoftBody/btSoftBodyHelpers.h>

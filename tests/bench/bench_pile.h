@@ -1,6 +1,6 @@
 #pragma once
 
-// A heap of soft and rigid bodies, for whoever measures one.
+// A heap of soft and rigid bodies for benchmarks.
 
 #include "support/explicit_material.h"
 #include "support/test_world.h"

@@ -1,4 +1,4 @@
-// Rays and sweeps at a soft ball from all sides: each alone, and with the body moved before every twentieth.
+// Rays and sweeps at a soft ball from all sides: one after the other, and with the body moved before every twentieth.
 
 #include "lattice/test_meshes.h"
 #include "support/surface_queries.h"
@@ -25,7 +25,7 @@ struct QueriedBall : test::WorldOf<SoftBodyWorld>
 	std::unique_ptr<SoftBody> body;
 };
 
-/// `movedEach`: queries between two motions of the body; 0: it stands still.
+/// `movedEach`: queries between two motions of the body; 0: it does not move.
 template <class Ask>
 void query( benchmark::State& state, int movedEach, Ask&& ask )
 {

@@ -1,5 +1,5 @@
-// Rotations alone: the careful scalar road, per matrix. The lanes' road is inside coreStep; its share is measured by difference
-// (see docs/benchmarks.md).
+// Rotations alone: the careful scalar computation for each matrix. The lanes' computation is part of coreStep; its time is measured by
+// difference (see docs/benchmarks.md).
 
 #include "matching/rotation.h"
 #include "support/block_body.h"

@@ -1,4 +1,4 @@
-// Whole frames of 1/60 s: matching, contacts, Bullet's solver, skinning not included. Counters: contacts, substeps, and the share of
+// Whole frames of 1/60 s: matching, contacts and Bullet's solver, without skinning. Counters: contacts, substeps, and the fraction of
 // matching in the frame.
 
 #include "bench_pile.h"
@@ -40,7 +40,7 @@ void restingBlock( benchmark::State& state )
 }
 BENCHMARK( restingBlock )->Arg( 6 )->Arg( 13 )->Arg( 27 )->Unit( benchmark::kMillisecond );
 
-/// The same once more with self-collision off and on: nothing touches, what it costs is the looking.
+/// The same with self-collision off and on: nothing touches, so the difference is the cost of the search.
 void selfCollision( benchmark::State& state )
 {
 	test::SoftWorld scene;

@@ -1,4 +1,4 @@
-// Skinning: what a frame's surface costs, one thread, and what binding it costs once.
+// Skinning: the cost of a frame's surface, one thread, and of the binding, which is computed once.
 
 #include "lattice/build/build_lattice.h"
 #include "lattice/test_meshes.h"
@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-/// A bumpy sphere of about 20 000 vertices in about 2 000 cells, bent and turned.
+/// A bumpy sphere of about 20 000 vertices in about 2 000 cells, bent and rotated.
 struct SkinCase
 {
 	test::Mesh mesh = test::makeBumpySphere( 0.5, 0.1, 101, 200 );

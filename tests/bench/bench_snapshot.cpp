@@ -1,5 +1,5 @@
 // Rollback: 20 bodies of 300 nodes saved without their templates and restored, one thread. In flight, at rest on the floor, and after a
-// step in between, as a game with rollback does it.
+// step in between, as in a game with rollback.
 
 #include "pliant/io/snapshot.h"
 #include "support/test_world.h"

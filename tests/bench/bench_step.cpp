@@ -1,4 +1,4 @@
-// The core step, one thread, without Bullet and skinning: what a node costs, by method, instruction set and size.
+// The core step, one thread, without Bullet and skinning: the cost of a node, by method, instruction set and size.
 // Counter ns_per_node: nanoseconds a node and substep (matching, forces, integration).
 
 #include "matching/reference/reference_matcher.h"
@@ -89,7 +89,7 @@ void registerSteps( benchmark::internal::Benchmark* b )
 }
 BENCHMARK( coreStep )->Apply( registerSteps );
 
-/// Fused operations are done without for equal bits; literal weights and rotations from F cost what the comparison modes cost.
+/// The cost of the comparison modes, literal weights and rotations from F. Fused operations are never used, so that bits are equal.
 void comparisonMode( benchmark::State& state )
 {
 	Material material = test::explicitMaterial();
@@ -102,7 +102,7 @@ void comparisonMode( benchmark::State& state )
 }
 BENCHMARK( comparisonMode )->DenseRange( 0, 3 );
 
-/// The step a plain implementation would make: one 27-point cluster a node, brute force, double precision, no shared sums.
+/// The step of a simple implementation: one 27-point cluster for each node, brute force, double precision, no shared sums.
 void bruteForce27( benchmark::State& state )
 {
 	const int cells = int( state.range( 0 ) );
@@ -117,7 +117,7 @@ void bruteForce27( benchmark::State& state )
 }
 BENCHMARK( bruteForce27 )->Arg( 6 )->Arg( 13 )->Arg( 27 );
 
-/// Forces, matching, integration and the watch over finite numbers: all a body does in a substep.
+/// Forces, matching, integration and the check for finite numbers: a whole substep of a body.
 void wholeBodyStep( benchmark::State& state )
 {
 	const int cells = int( state.range( 0 ) );

@@ -302,7 +302,7 @@ TEST( Breaking, PiecesHaveTheFarLevelsOfTheirLength )
 
 TEST( Breaking, InPlaneModeABarBreaksAcrossThePullAtTheSetStrain )
 {
-	// More angles: pliant_experiments pull. At 10 degrees, on one level, cells beside big nodes are stretched nearly twice as far.
+	// More angles: pliant_experiments pull. At 10 degrees, on one level, cells next to coarse nodes are stretched nearly twice as far.
 	for ( const int coarse : { 0, 1, 2 } )
 	{
 		for ( const double degrees : { 0.0, 10.0, 20.0, 45.0 } )
@@ -342,7 +342,7 @@ TEST( Breaking, PiecesBeyondTheLimitStayWithTheHeaviest )
 	EXPECT_NEAR( pieces[0].body->sums().momentum.norm(), 0.0, 1e-9 );
 }
 
-// Compares a piece's region tables, which reuse unchanged data, with the reference implementation that builds them anew.
+// Compares a piece's region tables, which reuse unchanged data, with the reference implementation, which rebuilds them.
 TEST( Breaking, TablesOfPiecesEqualNewOnes )
 {
 	for ( unsigned seed = 1; seed <= 12; ++seed )

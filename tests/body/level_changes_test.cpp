@@ -1,4 +1,4 @@
-// Reference implementations for the fast paths of a change of levels: tables built anew, blends through eigenvalues.
+// Reference implementations of the fast computations in a change of levels: tables rebuilt, blends through eigenvalues.
 
 #include "body/body.h"
 #include "body/levels/levels.h"
@@ -44,7 +44,7 @@ void expectSameTables( const RegionTables& got, const RegionTables& wanted )
 	}
 }
 
-/// Random splits and merges with 1 and 3 threads: all tables equal those built anew.
+/// Random splits and merges with 1 and 3 threads: all tables equal rebuilt ones.
 void expectChangesAsFromNothing( const Adaptivity& settings, Material material )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );

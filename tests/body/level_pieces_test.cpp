@@ -1,4 +1,4 @@
-// Bodies with levels whose links break and heal: data reused from before equals data built anew. Steinemann et al. 2008, 5.1.
+// Bodies with levels whose links break and heal: reused data equals rebuilt data. Steinemann et al. 2008, 5.1.
 
 #include "adapt/moments/fine_update.h"
 #include "body/breaking.h"
@@ -36,7 +36,7 @@ void expectNearNodes( const NodeState& got, const NodeState& wanted, float allow
 	}
 }
 
-/// Two bodies with the same history; one reuses data, the other is built anew.
+/// Two bodies with the same history; one reuses data, the other rebuilds it.
 struct BodyPair
 {
 	std::unique_ptr<Body> body, reference;

@@ -1,4 +1,4 @@
-// A scene through the C face has the bits of the same scene through C++; and both faces go on one world.
+// A scene through the C face has the same bits as through C++; both faces can be used on one world.
 
 #include "c/face.h"
 
@@ -28,7 +28,7 @@ Fracture brittle()
 	return fracture;
 }
 
-/// Two cubes, one of which breaks under a ball, on a plane, beside a box: in C++.
+/// Two cubes, one of which breaks under a ball, on a plane, next to a box: in C++.
 struct CppScene
 {
 	btDefaultCollisionConfiguration configuration;
@@ -186,7 +186,7 @@ TEST( CFace, AWrappedWorldIsBothFaces )
 	}
 	EXPECT_EQ( cpp.everything(), alone.everything() ) << "a handle changes nothing";
 
-	// What C++ has made is not C's to destroy; what C makes ends with the handle.
+	// Objects made through C++ cannot be destroyed through C; objects made through C are destroyed with the handle.
 	EXPECT_EQ( pliant_object_destroy( world, ball ), PLIANT_BAD_ARGUMENT );
 	EXPECT_EQ( pliant_object_destroy( world, idOf( world, cpp.soft[0].get() ) ), PLIANT_BAD_ARGUMENT );
 	pliant_id made = 0;
@@ -196,7 +196,7 @@ TEST( CFace, AWrappedWorldIsBothFaces )
 	ASSERT_EQ( pliant_body_create( world, shared, nullptr, &made ), PLIANT_OK );
 	pliant_template_release( shared );
 	const int objects = cpp.world.getNumCollisionObjects();
-	cpp.world.removeRigidBody( cpp.rigid.back().get() ); // C++ goes its own way
+	cpp.world.removeRigidBody( cpp.rigid.back().get() ); // through C++
 	const pliant_id gone = idOf( world, cpp.rigid.back().get() );
 	cpp.rigid.pop_back();
 	EXPECT_EQ( gone, 0u );

@@ -1,4 +1,4 @@
-// What a game does through the C face from the making of bodies to their end, and the identities meanwhile.
+// The calls of a game through the C face from the creation of bodies to their end, and the identities of the objects.
 
 #include "c/face.h"
 
@@ -160,7 +160,7 @@ TEST( CFace, ACutBodyFallsApartAndHeals )
 	scene.step();
 	ASSERT_EQ( pliant_body_heal( scene.world, body, 1.2, &healed ), PLIANT_OK );
 	EXPECT_EQ( healed, links );
-	scene.step(); // a link is there to be cut again once it is restored
+	scene.step(); // so that a link exists that can be cut again after the restore
 	const pliant_vec3 blade[4] = { { -1, 2, 0 }, { 1, 2, 0 }, { -1, -1, 0 }, { 1, -1, 0 } };
 	ASSERT_EQ( pliant_body_cut_sweep( scene.world, body, blade, &links ), PLIANT_OK );
 	EXPECT_GT( links, 16 );
@@ -180,7 +180,7 @@ TEST( CFace, ACutBodyFallsApartAndHeals )
 	EXPECT_GT( links, 0 );
 	ASSERT_EQ( pliant_body_cut_sphere( scene.world, piece, scene.state( piece ).mass_centre, 0.3, &links ), PLIANT_OK );
 	EXPECT_GT( links, 0 );
-	// A fragment ends as any other object, and the event knows.
+	// A fragment can be removed as any other object, and the event reports it.
 	ASSERT_EQ( pliant_object_destroy( scene.world, piece ), PLIANT_OK );
 	ASSERT_EQ( pliant_world_get_fragments( scene.world, 0, &piece, 1, &count ), PLIANT_OK );
 	EXPECT_EQ( piece, 0u );
@@ -234,7 +234,7 @@ TEST( CFace, ARestoredWorldHasItsIdentitiesAndGoesOnToTheSameBits )
 	const std::vector<double> everything = scene.everything();
 	ASSERT_EQ( pliant_world_save( scene.world, PLIANT_SAVE_ALL, after.bytes ), PLIANT_OK );
 
-	// A body of the game's that has been destroyed comes back, with its identity, and is no debris.
+	// A destroyed body of the game's is restored with its identity, and does not count as debris.
 	ASSERT_EQ( pliant_object_destroy( scene.world, other ), PLIANT_OK );
 	scene.add( pliant_vec3{ 6, 0.5, 0 } );
 	auto bytes = before.copy();

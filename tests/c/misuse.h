@@ -1,6 +1,6 @@
 #pragma once
 
-// What tests of misuse share: bad values, and a world with objects that are there and objects that are gone.
+// Common to the tests of misuse: bad values, and a world with existing and destroyed objects.
 
 #include "c/face.h"
 
@@ -26,7 +26,7 @@ struct Target
 
 using Call = std::function<pliant_result( const Target& )>;
 
-/// A call on an object, with all else as it should be.
+/// A call on an object, with valid arguments otherwise.
 struct Named
 {
 	const char* name;
@@ -39,7 +39,7 @@ struct Named
 		#__VA_ARGS__, []( const Target& t ) { return __VA_ARGS__; }                                                                        \
 	}
 
-/// A soft body, a ball, and identities that name nothing any more.
+/// A soft body, a ball, and identities of objects that no longer exist.
 struct MisuseScene : CScene
 {
 	pliant_id soft = add( pliant_vec3{ 0, 1, 0 } );

@@ -1,4 +1,4 @@
-// Making of worlds, templates and bodies, events and snapshots, with what they refuse: a code, a sentence, and nothing has changed.
+// Creation of worlds, templates and bodies, events and snapshots, and refusals: a code, a sentence, and nothing has changed.
 
 #include "c/misuse.h"
 
@@ -291,7 +291,7 @@ TEST( CMisuse, EachThreadHasASentenceOfItsOwn )
 	EXPECT_EQ( pliant_last_error(), mine );
 }
 
-// A callback of C++ may throw, though it should not: nothing comes out.
+// A callback in C++ may throw, although it should not: the exception must not leave the call.
 TEST( CMisuse, NothingIsThrownAcross )
 {
 	MisuseScene scene;

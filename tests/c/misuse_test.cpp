@@ -1,4 +1,4 @@
-// Calls on objects with what they refuse: a code, a sentence, and nothing has changed.
+// Calls on objects, and refusals: a code, a sentence, and nothing has changed.
 
 #include "c/misuse.h"
 

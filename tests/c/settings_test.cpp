@@ -1,4 +1,4 @@
-// Structures of the C face: defaults, every field there and back, and how they may grow.
+// Structures of the C face: defaults, conversion of every field in both directions, and growth in later versions.
 
 #include "c/face.h"
 
@@ -72,7 +72,7 @@ TEST( CSettings, AMaterialComesBackAsItWasSet )
 	const auto* const soft = static_cast<SoftBody*>( objectOf( scene.world, body ) );
 	EXPECT_EQ( soft->material().density, 700 );
 	EXPECT_EQ( soft->material().elasticity, Elasticity::Automatic );
-	// Those that do not go with the rest.
+	// Fields that contradict others.
 	pliant_material other = defaults;
 	other.stiffness = PLIANT_STIFFNESS_RAW_ALPHA;
 	other.method = PLIANT_METHOD_CLUSTERS;

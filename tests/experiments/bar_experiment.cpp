@@ -1,5 +1,5 @@
-// A free bar on levels 0 to 3, lying in the lattice at 0 to 45 degrees: Young's modulus from the period of its slowest stretching
-// vibration, and the period of its slowest bending. The same stiffness on every level is what Ohta et al. 2009 are after.
+// A free bar on levels 0 to 3, lying in the lattice at 0 to 45 degrees: Young's modulus from the period of its slowest longitudinal
+// vibration, and the period of its slowest bending. Ohta et al. 2009 aim at equal stiffness on every level.
 
 #include "body/body.h"
 #include "body/levels/levels.h"

@@ -51,7 +51,7 @@ constexpr Way kWays[] = {
 	{ "exact, noise", CrackFaces::Exact, 0.3f, 3 },
 };
 
-/// Cells by the nearest of eight points, none of the planes between them along the lattice.
+/// Cells by the nearest of eight points; none of the planes between the points is parallel to the lattice.
 std::vector<std::vector<std::uint32_t>> piecesOf( const Lattice& lattice )
 {
 	const Eigen::Quaternionf turn( Eigen::AngleAxisf( 0.6f, Vec3( 1.0f, 2.0f, 0.5f ).normalized() ) );
@@ -129,7 +129,7 @@ double milliseconds( std::chrono::steady_clock::time_point start )
 	return 1e3 * std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 }
 
-/// One sphere broken in one way; its pieces around `at`.
+/// One sphere broken by one method; its pieces around `at`.
 void breakSphere( const Way& way, const Vec3& at, std::list<DrawnPiece>& drawn )
 {
 	const test::Mesh mesh = test::makeSphere( kRadius, 48, 64 );

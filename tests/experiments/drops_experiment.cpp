@@ -1,4 +1,4 @@
-// Bars dropped on the floor, on no coarse levels, one and two: do as many links break?
+// Bars dropped on the floor, without coarse levels, with one and with two: do equally many links break?
 
 #include "experiments/experiments.h"
 #include "support/breaking_drops.h"

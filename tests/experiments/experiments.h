@@ -1,6 +1,6 @@
 #pragma once
 
-// What can be run: pliant_experiments glob 6
+// Experiments that pliant_experiments runs, for example: pliant_experiments glob 6
 
 namespace pliant::experiment {
 

@@ -1,9 +1,10 @@
 // Ohta et al. 2009, Fig. 6: a Glob falls on the ground, solved by adaptive methods and by uniform lattice shape matching at the finest
-// level; the error of a node is its distance to the mass-mean of its cells there. After the impact the tumbling is chaotic: one run says
-// nothing, so every figure is a mean over orientations of the lattice.
+// level; the error of a node is its distance from the centre of mass of its cells there. After the impact the tumbling is chaotic: one run
+// says nothing, so every figure is a mean over orientations of the lattice.
 //
-// Ohta et al. give neither the height of the drop nor the stiffness. Six regimes are fixed here (A to F); the impact speed, one number for
-// all of them, is chosen so that Steinemann's method lands near its printed 0.203 - the others then have nothing left to choose.
+// Ohta et al. give neither the height of the drop nor the stiffness. Six regimes are fixed here (A to F); the impact velocity, one number
+// for all of them, is chosen so that Steinemann's method has an error near its printed 0.203. The other methods have no free parameter
+// then.
 
 #include "body/body.h"
 #include "body/levels/levels.h"
@@ -27,7 +28,7 @@ struct Regime
 	int cells; ///< of the box around the Glob, along an edge
 	int halfWidth;
 	float alpha;
-	double drop; ///< way from the start to the ground, diagonals of the Glob's box
+	double drop; ///< distance from the start to the ground, diagonals of the Glob's box
 	float keepMass;
 };
 
@@ -37,13 +38,13 @@ constexpr int kRegimeCount = 6;
 constexpr int kContactStep = 320, kLastStep = 500, kStepsAWrite = 20;
 constexpr float kGlobStep = 0.01f; // s
 
-/// Means over the nodes of one moment, shares of the box's diagonal.
+/// Means over the nodes at one moment, fractions of the box's diagonal.
 struct Errors
 {
 	double mean = 0.0, deviation = 0.0, shape = 0.0;
 };
 
-/// All cells' places at the steps that are written down.
+/// Positions of all cells at the recorded steps.
 using Track = std::vector<std::vector<Vec3d>>;
 
 struct Run
@@ -78,7 +79,7 @@ public:
 
 	const Lattice& lattice() const { return *m_lattice; }
 
-	/// `track` null: this run writes its own places there; else its errors against it are measured.
+	/// `track` null: this run records its own positions there; otherwise its errors against them are measured.
 	Run run( const NamedMethod& method, const Track* reference, Track* track ) const
 	{
 		Material material = test::explicitMaterial();
@@ -184,7 +185,7 @@ private:
 	float m_gravity = 0.0f;
 };
 
-/// Of one method: by regime, means over the orientations.
+/// Results of one method: for each regime, means over the orientations.
 struct Row
 {
 	std::string name;

@@ -1,5 +1,5 @@
-// Soft bodies that strike things and each other at random, where nothing damps them and nothing weighs: does energy of motion come of it,
-// is spin lost?
+// Random impacts of soft bodies with obstacles and each other, without damping and gravity: do they gain kinetic energy, or lose angular
+// momentum?
 
 #include "experiments/experiments.h"
 #include "support/random_impacts.h"
@@ -14,7 +14,7 @@ namespace {
 using test::Ground;
 using test::Rubbed;
 
-constexpr double kGain = 1e-3; ///< share of the energy that is counted as a gain: more than rounding and float's places make
+constexpr double kGain = 1e-3; ///< fraction of the energy that counts as a gain: more than rounding and the float positions cause
 
 constexpr Ground kGrounds[] = { Ground::Floor, Ground::Box, Ground::Soft, Ground::SoftWithLevels };
 
@@ -33,7 +33,7 @@ void printGains( int count, Ground ground, Elasticity elasticity, float strain )
 	std::fflush( stdout );
 }
 
-/// The same of those that break.
+/// The same for bodies that break.
 void printShatters( int count, Ground ground, Elasticity elasticity, BreakRule rule )
 {
 	int broken = 0, gains = 0;
@@ -63,7 +63,7 @@ void printStrikes( int count )
 	}
 }
 
-// What splits by strain does so while it is pressed together.
+// Bodies that split by strain do so while they are compressed.
 void printStrikesThatSplitByStrain( int count )
 {
 	std::printf( "\nThe same by strain alone, explicit, at strains of\n\n| | 0.02 | 0.05 | 0.1 | 0.2 |\n|---|---|---|---|---|\n" );
@@ -114,7 +114,7 @@ void impactsExperiment( int count )
 	printRubs( count );
 }
 
-// In each cell half with levels, of one or two.
+// Half of each cell's bodies have one or two levels.
 void shattersExperiment( int count )
 {
 	std::printf( "Undamped cubes that break, at strains of 0.02 to 0.3, strike, %d each, half of them with levels: those that break, those "

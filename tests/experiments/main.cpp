@@ -14,7 +14,7 @@ struct Entry
 {
 	const char* name;
 	void ( *run )( int number );
-	int number; ///< what it takes when no other is given
+	int number; ///< used if no other number is given
 };
 
 const Entry kEntries[] = {

@@ -17,7 +17,7 @@ struct NamedMethod
 	Weights weights = Weights::Conserving;
 };
 
-/// Steinemann, Ohta, and the steps from there to ours, all with `coarseLevels` levels that do not change at run time.
+/// Steinemann, Ohta, and the intermediate methods up to ours, all with `coarseLevels` levels that do not change at run time.
 std::vector<NamedMethod> staticMethods( int coarseLevels );
 
 /// Ours with refinement by strain.

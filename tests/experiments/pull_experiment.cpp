@@ -1,4 +1,4 @@
-// Bars drawn out until they part, by both rules, at angles to the lattice and on levels: do they break at what was set, and across the
+// Bars stretched until they part, by both rules, at angles to the lattice and on levels: do they break at the strain set, and across the
 // pull?
 
 #include "experiments/experiments.h"

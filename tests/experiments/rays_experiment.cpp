@@ -1,4 +1,4 @@
-// Rays and swept balls from all sides against what is drawn of whole, bent and cracked bodies.
+// Rays and swept balls from all sides compared with the drawn surface of whole, bent and cracked bodies.
 
 #include "experiments/experiments.h"
 #include "support/explicit_material.h"

@@ -1,5 +1,5 @@
-// What "refine everything now" and a touch cost in a running world, frame by frame: the change itself, the stand-ins, the tree and the
-// skin. Steinemann et al. 2008, section 5.2 and Fig. 6: the levels change where a flower is touched.
+// The cost of "refine everything now" and of a touch in a running world, frame by frame: the change itself, the contact proxies, the tree
+// and the skin. Steinemann et al. 2008, section 5.2 and Fig. 6: the levels change where a flower is touched.
 
 #include "experiments/experiments.h"
 #include "experiments/step_timing.h"
@@ -18,11 +18,11 @@ namespace {
 constexpr float kCell = 0.02f;    ///< m
 constexpr int kSteadyFrames = 20; ///< before and after the change
 constexpr int kChangeFrames = 20;
-constexpr int kRuns = 7; ///< the simulation repeats to the bit: of each frame the shortest time of all runs counts
+constexpr int kRuns = 7; ///< the simulation repeats to the bit: the shortest time of each frame over all runs counts
 
 constexpr float kEverything = 10.0f, kTouch = 5.2f * kCell; ///< m
 
-// What these figures are to be, with regions of half-width 1.
+// Limits of these figures, with regions of half-width 1.
 constexpr double kMostOver = 2.0; ///< ms over the steady state of as many nodes
 constexpr int kMostFrames = 10;
 constexpr double kFewestRebuilds = 100000.0; ///< a second and core
@@ -34,7 +34,7 @@ struct Scene
 	int coarseLevels;
 	int finestLevel; ///< after the change
 	int nodesPerStep;
-	float reach; ///< m: what is nearer to the body's corner is refined
+	float reach; ///< m: nodes nearer to the body's corner than this are refined
 	int halfWidth;
 	bool hasSkin;
 };
@@ -86,12 +86,12 @@ struct Frame
 struct Outcome
 {
 	double over = 0.0;      ///< ms
-	double rebuilds = 1e30; ///< a second: regions of new nodes, the fewest of any change, by all that its frame took over the steady state
-	int frames = 0;         ///< until nothing waits any more
+	double rebuilds = 1e30; ///< a second: regions of new nodes over the additional time of their frame, the smallest value of any change
+	int frames = 0;         ///< until no change waits
 	int before = 0, after = 0;
 };
 
-/// Touches the body after the first frames, and lets it run on.
+/// Touches the body after the first frames, and continues.
 void runOnce( const Scene& scene, const std::shared_ptr<const BodyTemplate>& bodyTemplate, std::vector<Frame>& frames )
 {
 	test::SoftWorld place;
@@ -117,7 +117,7 @@ void runOnce( const Scene& scene, const std::shared_ptr<const BodyTemplate>& bod
 				corner = body->nodePosition( 0 );
 			body->requestRefinement( corner - reach, corner + reach );
 		}
-		const std::clock_t begin = std::clock(); // one thread: time on the processor, whatever else the machine does
+		const std::clock_t begin = std::clock(); // one thread: processor time, which excludes other load on the machine
 		place.step( 1 );
 		if ( scene.hasSkin )
 		{
@@ -166,7 +166,7 @@ Outcome runScene( const Scene& scene )
 		const Frame& frame = frames[std::size_t( f )];
 		worst = std::max( worst, frame.ms );
 		worstLevels = std::max( worstLevels, frame.levels );
-		// Steady state grows with the nodes there are: in between, as many nodes as this frame ends with.
+		// The steady state is proportional to the number of nodes: interpolated to the number after this frame.
 		const double grown = double( frame.nodes - outcome.before ), whole = double( outcome.after - outcome.before );
 		const double over = frame.ms - ( before + ( after - before ) * ( whole > 0.0 ? grown / whole : 0.0 ) );
 		outcome.over = std::max( outcome.over, over );

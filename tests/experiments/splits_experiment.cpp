@@ -1,5 +1,5 @@
-// The rows of Steinemann et al. 2008, section 7: one step of a palm with thin fingers by each road, and where its time goes. Shortest of
-// several runs.
+// The rows of Steinemann et al. 2008, section 7: one step of a palm with thin fingers by each method, and the time of its parts. Shortest
+// of several runs.
 
 #include "body/body.h"
 #include "body/levels/levels.h"
@@ -44,7 +44,7 @@ double secondsOf( const std::function<void()>& call )
 	return best;
 }
 
-/// A palm of 32^3 cells and five fingers of 2 x 2 x 24, which stand across the blocks so that they stay finest.
+/// A palm of 32^3 cells and five fingers of 2 x 2 x 24, which cross the borders of blocks so that they stay finest.
 std::shared_ptr<const Lattice> makePalm()
 {
 	return std::make_shared<const Lattice>( test::makeShapeLattice( { 32, 32, 56 }, 1.0f, []( int x, int y, int z ) {
@@ -106,8 +106,9 @@ struct Split
 	double sums, rotation, goals, rest;
 };
 
-/// Rotation and goal transform of a region are one kernel with the gathering of its members' sums: that is told apart by the same kernel on
-/// a table where each region has one member. At rest, where each rotation takes the same turns of Newton's method in both.
+/// Rotation and goal transform of a region are in one kernel with the gathering of its members' sums. They are separated by running the
+/// same kernel on a table where each region has one member. Measured at rest, where each rotation takes equally many iterations of Newton's
+/// method in both.
 double secondsOfRotation( const MatchView& full, int padded )
 {
 	std::vector<std::uint32_t> one( std::size_t( padded ) + 1 ), open( static_cast<std::size_t>( padded ) );

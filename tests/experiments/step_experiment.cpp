@@ -1,5 +1,5 @@
-// Ohta et al. 2009, table of the bunny: 2 248 nodes against 207, the step alone and the whole frame; what a node of a body with levels
-// costs a step from 2 000 to 20 000 of them; and Steinemann et al. 2008, section 4.3: summation nodes a region.
+// Ohta et al. 2009, table of the bunny: 2 248 nodes compared with 207, the step alone and the whole frame; the cost of a step for each node
+// of a body with levels, from 2 000 to 20 000 nodes; and Steinemann et al. 2008, section 4.3: summation nodes a region.
 
 #include "experiments/experiments.h"
 #include "experiments/step_timing.h"
@@ -25,9 +25,9 @@ namespace pliant::experiment {
 namespace {
 
 constexpr int kPaperCells = 2248, kPaperNodes = 207;
-constexpr char kBunnyFile[] = "models/data/meshes/bunny00.off"; ///< where demos/fetch_models.sh puts it, seen from the repository
+constexpr char kBunnyFile[] = "models/data/meshes/bunny00.off"; ///< where demos/fetch_models.sh stores it, relative to the repository
 
-// What these figures are to be.
+// Limits of these figures.
 constexpr double kLeastOverNaive[2] = { 10.0, 30.0 }; ///< w = 1, 2
 constexpr double kLeastOverFast = 5.0;
 constexpr double kMostPerNode = 100.0; ///< ns
@@ -55,7 +55,7 @@ Shape makeBunny()
 #endif
 }
 
-/// Of all levels and mass shares, those whose first cut is nearest to the paper's.
+/// Of all numbers of levels and values of keepMass, those whose first cut is nearest to the paper's.
 Adaptivity nearestToPaper( const Lattice& lattice )
 {
 	Adaptivity best;
@@ -99,7 +99,7 @@ Timed timeStep( const std::shared_ptr<const Lattice>& lattice, const Material& m
 	return Timed{ body->nodeCount(), 1e3 * seconds };
 }
 
-/// A frame of 1/60 s of a body that lies on a plane, its skin with it, ms.
+/// A frame of 1/60 s of a body that lies on a plane, including its skin, ms.
 double timeFrame( const std::shared_ptr<const BodyTemplate>& shape, Material material, const Adaptivity& adaptivity )
 {
 	test::SoftWorld scene;

@@ -1,6 +1,6 @@
 #pragma once
 
-// How long one call takes on the processor, whatever else the machine does: single-threaded code only.
+// Processor time of one call, which excludes other load on the machine: single-threaded code only.
 
 #include <algorithm>
 #include <cstdio>
@@ -10,7 +10,7 @@ namespace pliant::experiment {
 
 inline constexpr float kTimedStep = 1.0f / 240.0f; ///< s
 
-/// Seconds on the processor: the shortest mean of several rounds.
+/// Seconds of processor time: the shortest mean of several rounds.
 template <class F>
 double processorSecondsOf( F&& call )
 {
@@ -32,7 +32,7 @@ double processorSecondsOf( F&& call )
 	return best;
 }
 
-/// A figure beside what it is to be: at least or at most the limit.
+/// A figure and its limit, a lower or an upper one.
 inline void printLimit( const char* what, double value, const char* unit, double limit, bool isAtLeast )
 {
 	const bool isReached = isAtLeast ? value >= limit : value <= limit;

@@ -1,4 +1,4 @@
-// Small things thrown at soft blocks: how many have sunk into the drawn surface a second later.
+// Small objects thrown at soft blocks: how many have sunk into the drawn surface a second later.
 
 #include "experiments/experiments.h"
 

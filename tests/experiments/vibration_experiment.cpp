@@ -1,5 +1,5 @@
-// Small free vibrations of a block whose nodes all stand on level 1, against the uniform lattice: how well each method keeps the stiffness
-// of each kind of deformation. Relative error over 300 steps: 1.2 is what two unrelated vibrations have.
+// Small free vibrations of a block whose nodes are all on level 1, compared with the uniform lattice: the accuracy of each method's
+// stiffness for each kind of deformation. Relative error over 300 steps: two unrelated vibrations have 1.2.
 
 #include "body/body.h"
 #include "body/levels/levels.h"
@@ -18,7 +18,7 @@ constexpr int kLength = 32, kHeight = 16; // cells
 constexpr int kSteps = 300;
 constexpr float kStep = 0.01f; // s
 
-/// Displacement at a rest place, in cells, of three starts: half a wave of stretch, even shear, the free-free bending mode.
+/// Displacement at a rest position, in cells, of three starts: half a wave of stretch, uniform shear, the free-free bending mode.
 Vec3d displacement( int start, const Vec3d& at )
 {
 	if ( start == 0 )

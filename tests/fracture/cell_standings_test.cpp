@@ -1,4 +1,4 @@
-// Which cells may break, and which of them bear more for what is beside them.
+// Cells that may break, and cells that break at twice the strain because of their neighbours.
 
 #include "body/levels/level_nodes.h"
 #include "fracture/cell_positions.h"
@@ -68,7 +68,7 @@ TEST( CellRefinementStates, AreTheSameRememberedOrLookedAtAnew )
 	EXPECT_GT( most, fewest + 100 );
 }
 
-/// A bar of cells along x, whose lower half is made of nodes of eight cells.
+/// A bar of cells along x, the lower half of which consists of nodes of eight cells.
 struct HalfBig
 {
 	Lattice lattice = makeBlockLattice( 8, 2, 2, 1.0f );
@@ -93,7 +93,7 @@ TEST( CellRefinementStates, SayWhatACellIsAndWhatIsBesideIt )
 	}
 }
 
-// Links of length 1 that may grow by a tenth: beside big nodes by two tenths, and inside them however far.
+// Links of length 1 that may be stretched by a tenth; next to coarse nodes by two tenths, and inside of them by any amount.
 TEST( CellRefinementStates, LinksBesideBigNodesBearTwiceTheStrain )
 {
 	HalfBig bar;
@@ -122,7 +122,7 @@ TEST( CellRefinementStates, LinksBesideBigNodesBearTwiceTheStrain )
 			( isBeside ? alongBeside : alongHere ) += along.cwiseAbs().sum() < 1.5f ? 1 : 0;
 		}
 		EXPECT_EQ( alongHere, strain > 0.1f ? 8 : 0 ) << strain;   // four a layer, between the third fine layer and the fourth, and ...
-		EXPECT_EQ( alongBeside, strain > 0.2f ? 4 : 0 ) << strain; // ... between the first, which is beside, and the second
+		EXPECT_EQ( alongBeside, strain > 0.2f ? 4 : 0 ) << strain; // ... between the first, which is next to coarse nodes, and the second
 	}
 }
 

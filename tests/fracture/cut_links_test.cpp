@@ -1,4 +1,4 @@
-// Cuts by planes, spheres and blades: exactly the links that go through them, wherever the cells are now.
+// Cuts by planes, spheres and blades: exactly the links that cross them, at the present positions of the cells.
 
 #include "fracture/cut_links.h"
 #include "support/block_body.h"
@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-/// Mesh coordinates to where the cells are now.
+/// Mesh coordinates to the present positions of the cells.
 using Deformation = std::function<Vec3d( const Vec3d& )>;
 
 std::vector<Vec3d> placed( const Lattice& lattice, const Deformation& by )
@@ -66,7 +66,7 @@ TEST( CutLinks, APlaneCutsAllLinksBetweenItsSidesTurnedAndStretchedOrNot )
 		test::Seeded random( seed );
 		const Lattice blob = test::makeBlobLattice( 10, 0.1f, seed );
 		const Vec3d normal = wide( random.inBox( 1.0f ) ), point = wide( random.inBox( 0.2f ) );
-		// The plane goes along with the material: affine maps keep what is on which side of it.
+		// The plane moves with the material: affine maps preserve the side of each point.
 		const Eigen::Matrix3d map = someMap( random, seed % 2 ? 0.3f : 0.0f );
 		const Vec3d shift = wide( random.inBox( 5.0f ) );
 		const double turned = map.determinant() > 0.0 ? 1.0 : -1.0;
@@ -88,7 +88,7 @@ TEST( CutLinks, APlaneThroughTheMiddlesOfCellsPutsThemOnOneSide )
 		EXPECT_EQ( links.size(), 49u ); // one layer, and not two
 		const auto parts = connectedParts( withoutLinks( bar, links ) );
 		ASSERT_EQ( parts.size(), 2u );
-		// The layer in the plane goes with the side the normal points to.
+		// The layer in the plane belongs to the side to which the normal points.
 		const bool isFirst = way < 0.0;
 		EXPECT_EQ( parts[0].size(), isFirst ? 36u : 27u );
 	}
@@ -119,7 +119,7 @@ TEST( CutLinks, ASphereTakesOutWhatIsInIt )
 		const SphereCut ball{ wide( random.inBox( 0.1f ) ), double( random.uniform( 0.15f, 0.3f ) ) };
 		const auto isIn = [&]( std::uint32_t i ) { return ( positions[i] - ball.centre ).norm() < ball.radius; };
 		const auto links = linksCut( block, positions, ball );
-		// Between inside and outside all; else none but those that go in and out again: their nearest point is inside.
+		// All links between inside and outside; others only if they enter and leave the sphere: their nearest point is inside.
 		const auto wanted = linksThat( block, [&]( std::uint32_t a, std::uint32_t b ) {
 			bool passes = isIn( a ) || isIn( b );
 			for ( int k = 1; k < 2000 && !passes; ++k )
@@ -143,7 +143,7 @@ TEST( CutLinks, ABladeThatHasGoneThroughAllOfItCutsLikeItsPlane )
 		const auto positions = placed( blob, []( const Vec3d& x ) { return x; } );
 		const Vec3d normal = wide( random.inBox( 1.0f ) ).normalized(), edge = normal.unitOrthogonal(), way = normal.cross( edge );
 		const Vec3d middle = wide( random.inBox( 0.1f ) );
-		// In one go, and in forty: no link slips through where sweeps meet.
+		// In one sweep, and in forty: no link is missed where sweeps meet.
 		for ( const int steps : { 1, 40 } )
 		{
 			std::vector<CellLink> links;
@@ -195,11 +195,11 @@ TEST( CutLinks, LinksThroughTheLineTwoTrianglesFractionAreCut )
 {
 	const Lattice pair = makeBlockLattice( 1, 1, 2, 1.0f );
 	const std::vector<Vec3d> positions = { Vec3d( 0, 0, -0.5 ), Vec3d( 0, 0, 0.5 ) };
-	// The diagonal from p1 to q0 goes through the origin; then an edge, then a corner.
+	// The diagonal from p1 to q0 passes through the origin; then an edge, then a corner.
 	EXPECT_EQ( linksCut( pair, positions, BladeCut{ { -1, -1, 0 }, { 1, -1, 0 }, { -1, 1, 0 }, { 1, 1, 0 } } ).size(), 1u );
 	EXPECT_EQ( linksCut( pair, positions, BladeCut{ { -1, 0, 0 }, { 1, 0, 0 }, { -1, 1, 0 }, { 1, 1, 0 } } ).size(), 1u );
 	EXPECT_EQ( linksCut( pair, positions, BladeCut{ { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 1, 0 } } ).size(), 1u );
-	// Past it, and short of it.
+	// Past it, and ending before it.
 	EXPECT_TRUE( linksCut( pair, positions, BladeCut{ { 0.1, -1, 0 }, { 1, -1, 0 }, { 0.1, 1, 0 }, { 1, 1, 0 } } ).empty() );
 	EXPECT_TRUE( linksCut( pair, positions, BladeCut{ { -1, -1, 0.6 }, { 1, -1, 0.6 }, { -1, 1, 0.6 }, { 1, 1, 0.6 } } ).empty() );
 }
@@ -229,7 +229,7 @@ TEST( CutLinks, HealingIsTheInverseOfCutting )
 		const auto cut = linksCut( blob, positions, PlaneCut{ Vec3d::Zero(), wide( random.inBox( 1.0f ) ) } );
 		const Lattice open = withoutLinks( blob, cut );
 		EXPECT_EQ( linksToHeal( blob, open, {}, positions, 1.01 ), cut );
-		// In a piece of it: what the piece has of them. Further apart than they may be: nothing.
+		// In a piece of it: the piece's links. Farther apart than allowed: none.
 		const std::vector<std::uint32_t> cells = connectedParts( open )[0];
 		const Lattice part = extractCells( open, cells );
 		std::vector<Vec3d> ofPart;

@@ -1,4 +1,4 @@
-// When links are too long. Ohta et al. 2009, "Fracturing".
+// Links that are too long. Ohta et al. 2009, "Fracturing".
 
 #include "fracture/link_limits.h"
 #include "support/block_body.h"
@@ -92,7 +92,7 @@ TEST( LinkLimits, PiecesKeepTheirLinksToughness )
 		const Lattice part = extractCells( open, cells );
 		const LinkLimits now = limitLinks( part, 0.1f, inheritToughness( limits, part, cells ) );
 		ASSERT_EQ( now.toughness.size(), std::size_t( part.linkCount() ) );
-		const LinkLimits inherited = inheritLimits( limits, part, cells, 0.1f ); // the fast road
+		const LinkLimits inherited = inheritLimits( limits, part, cells, 0.1f ); // the fast computation
 		EXPECT_EQ( inherited.start, now.start );
 		EXPECT_EQ( inherited.to, now.to );
 		EXPECT_EQ( inherited.toughness, now.toughness );

@@ -1,4 +1,4 @@
-// Links out of a lattice and into it again, and the parts it falls into.
+// Links removed from a lattice and restored, and the connected parts that result.
 
 #include "lattice/pieces.h"
 #include "support/shapes.h"
@@ -47,14 +47,14 @@ std::vector<CellLink> someLinks( const Lattice& lattice, double fraction, unsign
 	return links;
 }
 
-/// Those at the ends of the links that went look for each other; the slow twin asks all cells.
+/// Growing from the ends of the removed links; the reference implementation visits all cells.
 TEST( Pieces, AreFoundFromWhatWasCut )
 {
 	const Lattice block = makeBlockLattice( 9, 7, 5, 0.1f );
 	std::size_t whole = 0, apart = 0;
 	for ( unsigned round = 0; round < 120; ++round )
 	{
-		// A slit, a cut all through, two of them, and more and more links here and there: single cells come off.
+		// A slit, a complete cut, two of them, and more and more random links, until single cells come off.
 		std::vector<CellLink> links = round % 4 < 3 ? linksAcross( block, 1 + int( round % 8 ) ) : std::vector<CellLink>();
 		links.resize( round % 4 == 0 ? links.size() / 2 : links.size() );
 		for ( const std::vector<CellLink>& more :
@@ -95,7 +95,7 @@ TEST( Pieces, ACutThroughABarLeavesTwoWholeLattices )
 	{
 		EXPECT_TRUE( validate( *part ).ok() ) << validate( *part ).sentence;
 	}
-	// Each is a block by itself, standing where it stood.
+	// Each is a block by itself, at its position.
 	EXPECT_EQ( small.linkTo, makeBlockLattice( 2, 3, 3, 0.1f ).linkTo );
 	EXPECT_NEAR( small.massCentre.x(), 0.2, 1e-7 );
 	EXPECT_NEAR( ( small.massCentre + small.restCentre[0].cast<double>() - bar.restCentre[parts[1][0]].cast<double>() ).norm(), 0.0, 1e-7 );
@@ -116,7 +116,7 @@ TEST( Pieces, LinksPutBackAreAsIfTheyHadNeverBeenOut )
 	}
 }
 
-/// From cell to cell: the slow twin of connectedParts().
+/// From cell to cell: the reference implementation of connectedParts().
 std::vector<std::vector<std::uint32_t>> walkedParts( const Lattice& lattice )
 {
 	std::vector<std::vector<std::uint32_t>> parts;

@@ -1,4 +1,4 @@
-// Cracks as planes: where they begin, and how far they run.
+// Cracks as planes: where they begin, and how far they grow.
 
 #include "fracture/plane_cracks.h"
 #include "lattice/pieces.h"
@@ -17,7 +17,7 @@ namespace {
 
 constexpr float kCell = 0.1f, kBreakStrain = 0.1f;
 
-/// A slab of 8 x 12 x 3 cells, weak in the middle of one of its long edges, drawn out along x to 0.8 of what breaks it elsewhere.
+/// A slab of 8 x 12 x 3 cells, weak in the middle of one of its long edges, stretched along x to 0.8 of the breaking stretch elsewhere.
 struct Slab
 {
 	Lattice lattice = makeBlockLattice( 8, 12, 3, kCell );
@@ -49,7 +49,7 @@ struct Slab
 		return at.y() - first.y() < 2 && ( at.x() - first.x() == 3 || at.x() - first.x() == 4 );
 	}
 
-	/// What breaks in so many substeps; nothing moves meanwhile.
+	/// The links that break in so many substeps without motion.
 	std::vector<CellLink> breakFor( int substeps, float growthFraction ) const
 	{
 		PlaneCracks cracks( kBreakStrain, growthFraction );
@@ -85,7 +85,7 @@ TEST( PlaneCracks, RunOnAtTheirFractionAndBeginNoSooner )
 	EXPECT_TRUE( sound.breakFor( 30, 0.5f ).empty() );
 }
 
-/// A block that random waves run through, its links taken out as they break, new cracks allowed now and then; all that broke, in order.
+/// A block with random waves, from which broken links are removed, with new cracks allowed from time to time; all broken links, in order.
 std::vector<std::vector<CellLink>> breakInWaves( unsigned seed, float growthFraction, bool everywhere, bool isTough,
 	Lattice lattice = makeBlockLattice( 9, 8, 7, kCell ), std::size_t* most = nullptr )
 {
@@ -150,7 +150,7 @@ TEST( PlaneCracks, AreThoseOfLookingEverywhereHoweverMany )
 	const Lattice bar = makeBlockLattice( 900, 2, 2, kCell );
 	std::size_t most = 0;
 	EXPECT_EQ( breakInWaves( 1, 0.6f, false, false, bar, &most ), breakInWaves( 1, 0.6f, true, false, bar ) );
-	EXPECT_GT( most, 64u ); // more than a word has bits
+	EXPECT_GT( most, 64u ); // more than the bits of a word
 }
 
 TEST( PlaneCracks, TheFractionIsChecked )

@@ -1,4 +1,4 @@
-// A part of fracture_full_test, for every day.
+// A part of fracture_full_test, for the short tests.
 
 #include "support/random_breaking.h"
 

@@ -1,4 +1,4 @@
-// BreakRule::Shards: how a body is divided, where cracks run, and where they are drawn.
+// BreakRule::Shards: the division of a body, the course of cracks, and their drawing.
 
 #include "fracture/constants.h"
 #include "fracture/shards/shard_cracks.h"
@@ -208,7 +208,7 @@ TEST( Shards, CrumbsAreWhereTheLoadIsAndAtMostTheirShare )
 		fracture.crumbFraction = share;
 		Block block( 16, 16, 16, fracture );
 		const Vec3 corner = block.nodes.x.get( 0 );
-		for ( int i = 0; i < block.nodes.count; ++i ) // a corner is torn out
+		for ( int i = 0; i < block.nodes.count; ++i ) // a corner is pulled off
 		{
 			const Vec3 at = block.nodes.x.get( i );
 			block.nodes.x.set( i, at - 0.6f * kCell * std::exp( -( at - corner ).norm() / ( 3.0f * kCell ) ) * Vec3( 1, 2, 1 ) );
@@ -232,7 +232,7 @@ TEST( Shards, CrumbsAreWhereTheLoadIsAndAtMostTheirShare )
 TEST( Shards, AreThoseOfGivenCentres )
 {
 	GivenCentres given;
-	for ( int k = 0; k < 4; ++k ) // four centres, of which the middle two are one shard
+	for ( int k = 0; k < 4; ++k ) // four centres, of which the middle two form one shard
 	{
 		given.position.emplace_back( -0.3 + 0.2 * k, 0.0, 0.0 );
 		given.shard.push_back( k == 0 ? 5u : k == 3 ? 9u : 7u );
@@ -287,7 +287,7 @@ TEST( Shards, LieInRingsAboutTheImpact )
 	}
 	EXPECT_GT( nears, 6 );
 	EXPECT_GT( fars, 6 );
-	EXPECT_GT( far / fars, 1.5 * near / nears ); // larger further away
+	EXPECT_GT( far / fars, 1.5 * near / nears ); // larger farther away
 }
 
 TEST( Shards, LinksThatNeverBreakHold )
@@ -326,8 +326,8 @@ TEST( Shards, PiecesKeepThem )
 
 TEST( Shards, BordersAreContinuousSurfaces )
 {
-	// Each trace lies on its link, at equal distance of both shards' centres in the bent space: so the traces of neighbouring links on one
-	// border lie on a smooth surface: within a seventh of a cell of each other's planes.
+	// Each trace is on its link, at equal distance from both shards' centres in the bent space, so that the traces of neighbouring links on
+	// one border are on a smooth surface: within a seventh of a cell of each other's planes.
 	Block block( 24, 12, 12, shards( 0.3f ) );
 	block.stretchTo( 0, 1.05f * kBreakStrain );
 	const std::vector<CellLink> broken = block.run();

@@ -24,7 +24,7 @@ Eigen::Matrix3d randomMatrix( std::mt19937& random, double size )
 	return m;
 }
 
-/// `slack`: where the two largest stretches are alike, a root of rounding is left of the difference.
+/// `slack`: where the two largest stretches are nearly equal, the error is of the order of the root of the rounding error.
 void expectLikeEigen( const Eigen::Matrix3d& f, double slack )
 {
 	const Eigen::Matrix3d c = f.transpose() * f;
@@ -33,7 +33,7 @@ void expectLikeEigen( const Eigen::Matrix3d& f, double slack )
 	const double strain = std::sqrt( std::max( 0.0, solver.eigenvalues()[2] ) ) - 1.0;
 	EXPECT_NEAR( found.strain, strain, slack * ( 1.0 + c.norm() ) );
 	EXPECT_NEAR( found.axis.norm(), 1.0, 1e-12 );
-	// Whichever of those that are stretched alike: along the axis it is the largest stretch.
+	// Among equal stretches any axis will do: along it the stretch is the largest one.
 	EXPECT_NEAR( ( f * found.axis ).norm(), 1.0 + strain, 1e-6 * ( 1.0 + c.norm() ) );
 }
 
@@ -64,7 +64,7 @@ TEST( Stretch, WhereDirectionsAreAlike )
 	}
 }
 
-/// Never said of what is stretched more; said of a pull that is a thousandth less.
+/// Never true for a larger stretch; true for a stretch that is smaller by a thousandth.
 TEST( Stretch, IsLessOnlyWhereItIs )
 {
 	std::mt19937 random( 8 );

@@ -1,4 +1,4 @@
-// Model files: what goes out comes back, and nothing a stranger's file says brings the reader down.
+// Model files: written files are read back unchanged, and no file, however damaged, crashes the reader.
 
 #include "third_party_glue/assimp_mesh.h"
 #include "third_party_glue/off_reader.h"
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A folder of its own for each test, gone afterwards.
+/// A folder for each test, deleted afterwards.
 class ModelFiles : public ::testing::Test
 {
 protected:
@@ -130,7 +130,7 @@ TEST_P( RoundTrip, KeepsSeveralMeshes )
 	EXPECT_EQ( in.mesh.triangleCount(), 2 * ball( "one", 0 ).triangleCount() );
 	EXPECT_NEAR( volume( in.mesh ), 2 * volume( ball( "one", 0 ) ), 1e-3 );
 	const std::string format = GetParam();
-	if ( format != "ply" && format != "stl" ) // which know one mesh only
+	if ( format != "ply" && format != "stl" ) // these formats have a single mesh
 	{
 		ASSERT_EQ( in.mesh.submeshNames.size(), 2u );
 		EXPECT_NE( in.mesh.submeshNames[0], in.mesh.submeshNames[1] );
@@ -226,7 +226,7 @@ TEST( Ply, ReadsTextAndBothByteOrders )
 		std::string bytes;
 		const auto put = [&]( auto value ) {
 			char raw[sizeof( value )];
-			std::memcpy( raw, &value, sizeof( value ) ); // the machine's order, little-endian wherever these tests run
+			std::memcpy( raw, &value, sizeof( value ) ); // little-endian, the byte order of every machine that runs these tests
 			bytes += isBig ? std::string( std::reverse_iterator( raw + sizeof( value ) ), std::reverse_iterator( raw ) )
 						   : std::string( raw, sizeof( value ) );
 		};
@@ -253,7 +253,7 @@ TEST( Ply, ReadsTextAndBothByteOrders )
 	}
 }
 
-/// A few bytes of a good file changed or taken out.
+/// A few bytes of a valid file changed or removed.
 std::string damage( const std::string& good, std::mt19937& random )
 {
 	std::string bytes = good;
@@ -357,7 +357,7 @@ TEST_F( ModelFiles, LimitsHold )
 
 TEST_F( ModelFiles, TimeLimitHolds )
 {
-	// Takes far longer to read than a thousandth of a second.
+	// Reading it takes far longer than a thousandth of a second.
 	std::ostringstream text;
 	for ( int i = 0; i < 40000; ++i )
 	{
@@ -374,7 +374,7 @@ TEST_F( ModelFiles, TimeLimitHolds )
 	const ReadResult in = readModel( file, limits );
 	EXPECT_EQ( in.status.code, FileCode::TimeLimit ) << in.status.sentence;
 	EXPECT_LT( std::chrono::duration<double>( std::chrono::steady_clock::now() - begin ).count(), 1.0 );
-	// The reading that was given up needs the file's folder and assimp's statics until it ends.
+	// The abandoned read needs the file's folder and assimp's statics until it ends.
 	std::this_thread::sleep_for( std::chrono::milliseconds( 700 ) );
 }
 

@@ -1,10 +1,10 @@
-// Every model of some folders becomes a body that is dropped on a floor; a line says what came of it. Usage:
+// Every model of some folders becomes a body that is dropped on a floor; a line has the result. Usage:
 //
 //   model_survey [--cells N] folder or file ...
 //
-// Each model is scaled to 1 m. A line holds: what building answered, its processor seconds, cells (and of them those of the shell),
-// connected parts, how far below the floor the lowest drawn point is after 150 frames (in cells; above the floor is negative), and the
-// file. Ends with a summary, and with 1 where a model came out wrong, 77 where there is none to look at.
+// Each model is scaled to 1 m. A line has: the result of building, its processor seconds, the number of cells (and of those of the shell),
+// connected parts, the depth of the lowest drawn point below the floor after 150 frames (in cells; negative above the floor), and the file.
+// Ends with a summary. The exit code is 1 if a model failed, 77 if there are no models.
 
 #include "third_party_glue/assimp_mesh.h"
 
@@ -37,7 +37,7 @@ struct Survey
 	int models = 0, bodies = 0, refused = 0, slow = 0, deep = 0;
 };
 
-/// Centred, its longest side 1 m; what no triangle uses is not looked at.
+/// Centred, its longest side 1 m; vertices that no triangle uses are ignored.
 void scaleToOne( pliant_glue::ModelMesh& mesh )
 {
 	std::array<double, 3> low, high;
@@ -84,7 +84,7 @@ double lowestDrawn( const pliant::SoftBody& body, const pliant_glue::ModelMesh& 
 	return low + double( view.origin.y() );
 }
 
-/// How far below the floor it is drawn in the end, m.
+/// Final depth of the lowest drawn point below the floor, m.
 double dropOnFloor( const std::shared_ptr<const pliant::BodyTemplate>& shape, const pliant_glue::ModelMesh& mesh )
 {
 	btDefaultCollisionConfiguration configuration;

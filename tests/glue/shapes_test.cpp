@@ -1,4 +1,4 @@
-// The demos' own shapes are closed and turned outward, and enclose the shapeVolume that geometry says.
+// The demos' own shapes are closed and oriented outward, and their volumes agree with geometry.
 
 #include "demos/shapes.h"
 
@@ -12,7 +12,7 @@ using pliant_glue::ModelMesh;
 
 namespace {
 
-/// Every edge belongs to exactly two triangles, which run along it in opposite directions.
+/// Every edge belongs to exactly two triangles, which traverse it in opposite directions.
 bool isClosed( const ModelMesh& mesh )
 {
 	std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;

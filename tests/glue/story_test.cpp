@@ -1,4 +1,4 @@
-// What a demo scene says must have happened.
+// Conditions of a demo scene (Story).
 
 #include "demos/story.h"
 

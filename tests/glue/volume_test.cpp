@@ -1,5 +1,5 @@
-// Grey images: what is written in the file is what is read, and damaged files are refused; the surface made of one is closed. The mouse's
-// blade.
+// Grey images: files are read as they were written, and damaged files are refused; the surface made from an image is closed. Also the blade
+// of the mouse.
 
 #include "demos/liver.h"
 #include "demos/mouse_blade.h"
@@ -67,7 +67,7 @@ TEST( GreyVolumes, ThatAreDamagedAreRefusedWithASentence )
 	EXPECT_EQ( readVolume( "/nowhere/at/all.inr" ).status.code, FileCode::NotFound );
 }
 
-/// Of a mesh every edge of which has two triangles; NaN of one that is open.
+/// Volume of a mesh in which every edge has two triangles; NaN if it is open.
 double volumeInside( const ModelMesh& mesh )
 {
 	std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
@@ -106,8 +106,8 @@ TEST( GreyVolumes, HaveAClosedSurfaceOfTheirVolume )
 		const double x = i % 40 - 19.5, y = i / 40 % 40 - 19.5, z = 2 * ( i / 1600 - 9.5 );
 		ball.values.push_back( x * x + y * y + z * z < 400 ? 84 : 0 );
 	}
-	// A surface of radius R that is smoothed over sigma moves inward by sigma^2 / R; two passes of 1 : 2 : 1, samples that are boxes, and
-	// the linear course between them make sigma^2 ( 1 + 1/12 + 1/6 ) samples squared.
+	// A surface of radius R that is smoothed over sigma moves inward by sigma^2 / R; two passes of 1 : 2 : 1, box-shaped samples, and
+	// linear interpolation between them make sigma^2 ( 1 + 1/12 + 1/6 ) samples squared.
 	const double shrunk = 1.0 - 3.0 * 1.25 * 2.5 * 2.5 / 400.0;
 	EXPECT_NEAR( volumeInside( pliant_demos::surfaceOfVolume( ball, 2.5f ) ) / ( 4.0 / 3 * 3.14159265 * 8000 ), shrunk, 0.01 );
 	EXPECT_GT( volumeInside( pliant_demos::makeLiverLike() ), 1e-3 );

@@ -21,7 +21,7 @@ std::string relativePath( const fs::path& path, const fs::path& root )
 	return fs::relative( path, root ).generic_string();
 }
 
-/// Every file of the repository, a folder as its path with a slash at the end; each with a slash in front.
+/// Every file of the repository, and every folder with a slash at its end; each with a slash in front.
 std::vector<std::string> namesOf( const fs::path& root )
 {
 	std::vector<std::string> names;
@@ -125,7 +125,7 @@ bool fits( const char* pattern, const char* text )
 	return ( *pattern == '?' || *pattern == *text ) && fits( pattern + 1, text + 1 );
 }
 
-/// Any parameter will do: what a pattern says of it stands after a slash behind the point.
+/// Any parameter is accepted: a pattern names it after a slash behind the point.
 bool fits( const std::string& pattern, const TestName& test )
 {
 	if ( !test.hasParameter )
@@ -171,8 +171,9 @@ public:
 	}
 
 private:
-	/// Names of source files and of folders, whole or from any folder on. A name with a * names several, and a folder that begins with none
-	/// of ours is made by a program: neither is looked for. In samples, which name other things too, only files with their folders are.
+	/// Names of source files and of folders, complete or from any folder on. A name with a * stands for several files, and a folder that
+	/// begins with none of ours is written by a program: neither is checked. In code samples, which contain other names too, only files
+	/// with their folders are checked.
 	void checkPaths( const std::string& text, bool isSample )
 	{
 		static const std::regex kPath(

@@ -8,7 +8,7 @@ namespace house {
 
 namespace {
 
-// The floors of the plugin, from the ground up. A file includes files of its own folder and of lower floors.
+// The floors of the plugin, from the lowest up. A file includes files of its own folder and of lower floors.
 struct Floor
 {
 	const char* folder;
@@ -76,7 +76,7 @@ bool isPublic( const std::string& path )
 	return path.starts_with( "plugin/include/" );
 }
 
-// The public face in C; its one header for C++ says so by its name.
+// The public face in C; the name of its one header for C++ shows that it is for both.
 bool isC( const std::string& path )
 {
 	return path.starts_with( "plugin/include/pliant/c/" ) && path != "plugin/include/pliant/c/mix.h";
@@ -97,7 +97,7 @@ bool isEigen( const std::string& name )
 	return name.starts_with( "Eigen/" ) || name.starts_with( "unsupported/Eigen/" );
 }
 
-// The standard library's headers have neither a slash nor a dot; the processor's own are the one exception.
+// Names of the standard library's headers have neither a slash nor a dot; headers of processor intrinsics are the exception.
 bool isStandard( const std::string& name )
 {
 	return name.find_first_of( "/." ) == std::string::npos || name == "immintrin.h" || name == "arm_neon.h";

@@ -1,4 +1,4 @@
-// The house rules, on the repository itself; and on small broken houses, to see that each rule bites.
+// The rules of the repository, applied to it; and to small broken source trees, in which each rule has to report its breach.
 
 #include "house/source_tree.h"
 
@@ -29,7 +29,7 @@ const SourceTree& ours()
 	return kTree;
 }
 
-// A house of a few files in a folder of its own.
+// A source tree of a few files in a folder of its own.
 class SmallHouse : public testing::Test
 {
 protected:

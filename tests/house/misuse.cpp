@@ -10,7 +10,7 @@ namespace house {
 
 namespace {
 
-/// Calls that cannot be misused, or whose misuse is not ours to answer, and why.
+/// Calls that cannot be misused, or whose misuse the library cannot detect, and the reason.
 struct Exempt
 {
 	std::regex name;
@@ -32,7 +32,7 @@ const std::vector<Exempt>& exemptCalls()
 	return kCalls;
 }
 
-/// A header without comments, preprocessor lines and what is marked as internal.
+/// A header without comments, preprocessor lines and parts marked as internal.
 std::string declarationsOf( const SourceFile& header )
 {
 	std::string text;
@@ -55,7 +55,7 @@ std::string trimmed( const std::string& text )
 	return first == std::string::npos ? "" : text.substr( first, text.find_last_not_of( " \t" ) - first + 1 );
 }
 
-/// Returns the parameters of a function's declaration, and its name in `name`; "" for what is no function or takes none.
+/// Returns the parameters of a function's declaration, and its name in `name`; "" for other declarations and functions without parameters.
 std::string parametersOf( const std::string& statement, std::string& name )
 {
 	static const std::regex kOther( R"(^\s*(using|typedef|friend|static_assert|enum)\b|=\s*(delete|default)\s*$)" );

@@ -17,7 +17,7 @@ constexpr std::size_t kMostFunctionLines = 60;
 constexpr std::size_t kMostColumns = 140; // as .clang-format has it
 constexpr std::size_t kTab = 4;
 
-// What our sources do without, and why.
+// Words that our sources must not contain, and the reason.
 struct Unwanted
 {
 	const char* folder;
@@ -64,7 +64,7 @@ bool startsLikeFunction( const std::string& line )
 	return !line.empty() && !std::regex_search( line, kOther );
 }
 
-// The first line of what stands before an opening brace alone on its line.
+// The first line of the declaration before an opening brace that is alone on its line.
 std::string introduction( const std::vector<std::string>& lines, std::size_t brace )
 {
 	std::string first;
@@ -83,7 +83,7 @@ std::string introduction( const std::vector<std::string>& lines, std::size_t bra
 	return first;
 }
 
-// Functions stand at the outermost column, or one tab in within a type, in our layout: no parser is needed to measure them.
+// In our layout functions begin in the first column, or one tab further inside a type, so that no parser is needed to measure them.
 void measureFunctions( const SourceFile& file, Complaints& complaints )
 {
 	bool inType = false;
@@ -129,7 +129,7 @@ std::size_t widthOf( const std::string& line )
 	return width;
 }
 
-// Tables that the layout leaves alone may be wider.
+// Tables that clang-format does not format may be wider.
 void measureWidths( const SourceFile& file, Complaints& complaints )
 {
 	bool isLaidOut = true;
@@ -197,11 +197,11 @@ Complaints checkShape( const SourceTree& tree )
 			complaints.push_back( path + ": no #pragma once" );
 		}
 		measureFunctions( file, complaints );
-		if ( !path.starts_with( "tests/house/" ) ) // which has strings of code
+		if ( !path.starts_with( "tests/house/" ) ) // these files contain strings of code
 		{
 			measureWidths( file, complaints );
 		}
-		if ( !path.starts_with( "tests/house/" ) ) // which names the words
+		if ( !path.starts_with( "tests/house/" ) ) // these files contain the words themselves
 		{
 			lookForWords( file, complaints );
 		}
@@ -234,7 +234,7 @@ Complaints checkConstants( const SourceTree& tree )
 
 Complaints checkStages( const SourceTree& tree )
 {
-	// As they are called: a stage of the soft bodies, of Bullet's world, or a correction around Bullet's solver.
+	// Calls of the stages: stages of the soft bodies, stages of Bullet's world, and corrections around Bullet's solver.
 	static const std::vector<std::string> kStages = { "bodies.accelerate", "bodies.dropPredictiveContacts", "bodies.holdPredictiveContacts",
 		"bodies.collideWithThemselves", "bodies.endCollision", "bodies.releaseRefusedPairs", "m_moved.moveToNodes", "m_rolling.hide",
 		"bodies.solveImplicit", "bodies.giveFrames", "bodies.readFrames", "frictionTorque.aim", "m_restitution.aim", "m_stages.baseSolve",
@@ -283,7 +283,7 @@ Complaints checkStageOrder( const SourceTree& tree )
 		std::ptrdiff_t before = -1;
 		for ( const std::string& stage : order )
 		{
-			// Where a stage has a shorter way for worlds without soft bodies, the last call is the one of the others.
+			// If a stage is also called on a shorter path for worlds without soft bodies, the last call is the one for the others.
 			const auto last = std::find_if( lines.rbegin(), lines.rend(),
 				[&stage]( const std::string& line ) { return withoutComment( line ).find( stage + "(" ) != std::string::npos; } );
 			const std::ptrdiff_t at = lines.rend() - last - 1;
@@ -301,7 +301,7 @@ Complaints checkTopLevel( const fs::path& root )
 {
 	static const std::set<std::string> kBelongs = { "CMakeLists.txt", "plugin", "demos", "third_party_glue", "tests", "docs", "README.md",
 		"LICENSE", "CHANGELOG.md", "CONTRIBUTING.md", "CMakePresets.json", "vcpkg.json" };
-	// Made by the two commands or by tools, and ignored by git.
+	// Written by the two scripts or by tools, and ignored by git.
 	static const std::regex kMade( R"(build.*|out|models|compile_commands\.json|CMakeUserPresets\.json|Testing)" );
 
 	Complaints complaints;

@@ -11,7 +11,7 @@ namespace {
 
 const char* const kSourceFolders[] = { "plugin", "demos", "third_party_glue", "tests" };
 
-// Where an include that is no neighbour is looked for: as the targets' include folders have it.
+// The folders in which includes from other folders are searched, as in the targets' include folders.
 const char* const kIncludeFolders[] = { "", "plugin/", "plugin/include/", "tests/" };
 
 } // namespace

@@ -1,7 +1,7 @@
 #pragma once
 
 // +-----------------------------------------------------------------------------------------------------------------+
-// | The repository's own sources as text: files, their lines, what they include, and the rules they are held to.    |
+// | The repository's own sources as text: files, their lines, their includes, and the rules that apply to them.     |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include <filesystem>
@@ -14,7 +14,7 @@ namespace house {
 struct Include
 {
 	std::string name;     ///< as written
-	std::string resolved; ///< the file of ours that it names, from the root; empty when it is none of ours
+	std::string resolved; ///< our file with that name, from the root; empty for other files
 	int line = 0;
 	bool angled = false;
 };
@@ -28,7 +28,7 @@ struct SourceFile
 	bool isHeader() const;
 };
 
-/// What is wrong, a sentence each, in the order of the paths.
+/// A sentence for each breach, in the order of the paths.
 using Complaints = std::vector<std::string>;
 
 class SourceTree
@@ -49,7 +49,7 @@ private:
 	std::map<std::string, SourceFile> m_files;
 };
 
-/// Arrows only run down the floors of the plugin, and foreign libraries stay behind their doors.
+/// Includes lead to lower floors of the plugin only, and foreign libraries are included in their own folders only.
 Complaints checkFloors( const SourceTree& tree );
 
 /// Within a floor of the plugin: headers include lower sub-folders only, every folder is listed, and none has too many files.
@@ -58,19 +58,19 @@ Complaints checkSubfolders( const SourceTree& tree );
 /// The stages of a step are called in plugin/world/step/world_step.cpp, each of them, and from no other file.
 Complaints checkStages( const SourceTree& tree );
 
-/// There they stand in the order of the step.
+/// They are called there in the order of the step.
 Complaints checkStageOrder( const SourceTree& tree );
 
-/// No header reaches itself.
+/// No header includes itself through others.
 Complaints checkCircles( const SourceTree& tree );
 
-/// A core file reaches no Bullet header, through whatever it includes; a public one no Eigen header.
+/// No core file reaches a Bullet header through its includes; no public one an Eigen header.
 Complaints checkReach( const SourceTree& tree );
 
-/// Length of files and functions, include guards, words that our sources do without.
+/// Length of files and functions, include guards, words that our sources must not contain.
 Complaints checkShape( const SourceTree& tree );
 
-/// No two headers of the plugin have a constant of one name: they are one object to the linker, of either value.
+/// No two headers of the plugin define a constant with the same name: for the linker they would be one object, with either value.
 Complaints checkConstants( const SourceTree& tree );
 
 /// The calls of the public headers that take an argument other than a bool: the number of overloads by qualified name.
@@ -79,10 +79,10 @@ std::map<std::string, int> publicCalls( const SourceTree& tree );
 /// Each of them has a test of its misuse.
 Complaints checkMisuse( const SourceTree& tree );
 
-/// Nothing at the top level but what belongs there.
+/// The top level contains only the files and folders that belong there.
 Complaints checkTopLevel( const std::filesystem::path& root );
 
-/// Documents name files, folders and tests that are there, and their links lead somewhere.
+/// Files, folders and tests that documents name exist, and so do the targets of their links.
 Complaints checkDocuments( const SourceTree& tree );
 
 /// One version everywhere.

@@ -25,7 +25,7 @@ std::vector<btVector3> positionsOf( const SoftBody& body )
 	return positions;
 }
 
-/// Returns the positions of a cube, one second after it began to fall on the floor, with the calls of `ask` on the way.
+/// Returns the positions of a cube, one second after it began to fall on the floor, with the calls of `ask` in between.
 std::vector<btVector3> fallen( const std::function<void( SoftBody& )>& call )
 {
 	TestWorld t;
@@ -161,7 +161,7 @@ TEST( BadNumbers, ANodeIsNotDrivenArbitrarilyFar )
 	}
 }
 
-/// The centre of a cube on the floor after steps of irregular length, and that of a rigid box beside it.
+/// The centre of a cube on the floor after steps of irregular length, and that of a rigid box next to it.
 struct Stood
 {
 	btScalar soft, rigid, side;

@@ -216,7 +216,7 @@ TEST_P( Bystanders, HeapsFallAsTheyDo )
 	} );
 }
 
-/// A soft cube that hovers 3 cm beside an object at x = 0: it touches nothing, but objects so near take part in its substeps.
+/// A soft cube that hovers 3 cm from an object at x = 0: it touches nothing, but objects so near take part in its substeps.
 void hoverBeside( test::TestWorld& scene, btScalar halfWidth, btScalar height )
 {
 	SoftBody* const cube = scene.addSoft(

@@ -115,7 +115,7 @@ TEST( Membership, APairThatIsIgnoredWhileItTouchesFallsApart )
 	}
 }
 
-// The same beside a rigid body that moves on its own, so that the step makes several passes. Each pass has its own list of contacts, which
+// The same with a rigid body that moves independently, so that the step makes several passes. Each pass has its own list of contacts, which
 // must not contain contacts that have just ended. Bullet keeps the memory of the first 4 096; others are freed, which a sanitizer detects.
 TEST( Membership, IgnoredContactsAreDroppedInEveryPass )
 {

@@ -1,4 +1,4 @@
-// Neighbours along the axes are those that asking every cell for them finds.
+// Neighbours along the axes, compared with a search through all links of every cell.
 
 #include "lattice/axis_neighbours.h"
 
@@ -9,7 +9,7 @@
 namespace pliant {
 namespace {
 
-/// The cell a step away that this one is linked to; -1: there is none.
+/// The linked cell one step away along an axis; -1: there is none.
 int linkedAt( const Lattice& lattice, int cell, const Eigen::Vector3i& step )
 {
 	for ( int other = 0; other < lattice.cellCount(); ++other )
@@ -39,7 +39,7 @@ void unlink( Lattice& lattice, std::uint32_t a, std::uint32_t b )
 	}
 }
 
-// Across what is parted there is none.
+// No neighbour across a cut link.
 TEST( AxisNeighbours, AreThoseThatAreLinked )
 {
 	Lattice parted = makeBlockLattice( 4, 3, 3, 0.1f );

@@ -1,4 +1,4 @@
-// A block is whole and fully linked; and validate() sees each law broken.
+// A block is complete and fully linked; validate() detects each violated invariant.
 
 #include "lattice/lattice.h"
 
@@ -15,7 +15,7 @@ TEST( BlockLattice, HasEveryCellAndLink )
 	const Lattice block = makeBlockLattice( 4, 3, 2, 0.5f );
 	ASSERT_TRUE( validate( block ).ok() ) << validate( block ).sentence;
 	EXPECT_EQ( block.cellCount(), 24 );
-	// Neighbours along an axis with n cells: 3n - 2 ordered pairs, itself counted; the product less the cells themselves, halved.
+	// Along an axis with n cells: 3n - 2 ordered pairs, including each cell with itself; the product minus the cells themselves, halved.
 	EXPECT_EQ( block.linkCount(), ( ( 3 * 4 - 2 ) * ( 3 * 3 - 2 ) * ( 3 * 2 - 2 ) - 24 ) / 2 );
 	EXPECT_EQ( block.massCentre, Vec3d::Zero() );
 	EXPECT_EQ( block.restCentre.front(), Vec3( -0.75f, -0.5f, -0.25f ) );

@@ -1,4 +1,4 @@
-// Volumes, centres, and what must not matter: where a mesh stands, which way round, in which order, on how many threads.
+// Volumes, centres, and invariance: position and orientation of the mesh, order of its triangles, number of threads.
 
 #include "lattice_checks.h"
 
@@ -16,7 +16,7 @@ namespace pliant::test {
 
 namespace {
 
-// Corners ask in whole quanta, all else in any place; the slow twin counts.
+// The first sample above a position, in whole quanta for corners and as a real number for others; the reference implementation counts.
 TEST( Grid, FirstSampleAboveAWholeQuantumIsThatOfAnyPlace )
 {
 	std::mt19937 random( 5 );
@@ -69,7 +69,7 @@ TEST( Build, CubeBecomesTheFullBlock )
 
 TEST( Build, PartlyFilledCellsCarryTheirFractionAndCentre )
 {
-	// Half a cell sticks out on each side of two whole ones: samples at 1/8, 3/8, 5/8, 7/8 of a cell see half exactly.
+	// Half a cell projects on each side of two whole ones: samples at 1/8, 3/8, 5/8, 7/8 of a cell give exactly one half.
 	const LatticeBuild build = built( makeBox( { 0, 0, 0 }, { 3, 1, 1 } ), cellsOf( 1.0f ) );
 	EXPECT_EQ( build.lattice.cellCount(), 3 );
 	const LatticeBuild half = built( makeBox( { 0, 0, 0 }, { 2.5, 1, 1 } ), cellsOf( 1.0f ) );
@@ -143,7 +143,7 @@ TEST( Build, TriangleOrderChangesNothing )
 			const std::size_t other = state % ( t + 1 );
 			std::swap_ranges( shuffled.indices.begin() + std::ptrdiff_t( 3 * t ), shuffled.indices.begin() + std::ptrdiff_t( 3 * t + 3 ),
 				shuffled.indices.begin() + std::ptrdiff_t( 3 * other ) );
-			// The corners' order must not matter either, as long as the turn stays.
+			// Nor must the order of a triangle's corners matter, as long as its orientation stays.
 			std::rotate( shuffled.indices.begin() + std::ptrdiff_t( 3 * t ),
 				shuffled.indices.begin() + std::ptrdiff_t( 3 * t + state / 7 % 3 ),
 				shuffled.indices.begin() + std::ptrdiff_t( 3 * t + 3 ) );
@@ -179,11 +179,11 @@ TEST( Build, ClosedOpenFlippedUnweldedSoupAllHaveInsides )
 	EXPECT_NEAR( volumeOfBuild( sphere ), whole, 0.01 * whole );
 	EXPECT_NEAR( volumeOfBuild( flipped( sphere ) ), whole, 0.01 * whole );
 	EXPECT_NEAR( volumeOfBuild( unwelded( sphere ) ), whole, 0.01 * whole );
-	// Every tenth triangle gone, welded and not: holes all over.
+	// Every tenth triangle missing, welded and not: holes everywhere.
 	const Mesh holes = without( sphere, []( std::size_t t ) { return t % 10 == 3; } );
 	EXPECT_NEAR( volumeOfBuild( holes ), whole, 0.05 * whole );
 	EXPECT_NEAR( volumeOfBuild( unwelded( holes ) ), whole, 0.05 * whole );
-	// Every third triangle the wrong way round.
+	// Every third triangle inverted.
 	Mesh mixed = sphere;
 	for ( std::size_t t = 0; t < mixed.triangleCount(); t += 3 )
 	{
@@ -195,7 +195,7 @@ TEST( Build, ClosedOpenFlippedUnweldedSoupAllHaveInsides )
 
 TEST( Build, HalfAShellHoldsWhatItsRimSpans )
 {
-	// With its mirror image the bowl is a ball: on the plane between, each has half of the winding number.
+	// With its mirror image the bowl is a ball: in the plane between them, each has half of the winding number.
 	const Mesh bowl = without( makeSphere( 1.0, 32, 64 ), []( std::size_t t ) { return t % 62 >= 31; } );
 	const LatticeBuild build = built( bowl, cellsOf( 0.1f ) );
 	EXPECT_EQ( build.report.openEdges, 64 );
@@ -214,12 +214,12 @@ TEST( Build, ShellsUniteOrHollowOut )
 	EXPECT_NEAR( volumeOfBuild( joined( big, flipped( small ) ) ), whole - hole, 0.01 * whole );
 	EXPECT_NEAR( volumeOfBuild( joined( flipped( big ), small ) ), whole - hole, 0.01 * whole );
 	EXPECT_NEAR( volumeOfBuild( joined( flipped( big ), flipped( small ) ) ), whole, 0.01 * whole );
-	// Side by side, one of them inside out: two balls.
+	// Side by side, one of them inverted: two balls.
 	const LatticeBuild apart = built( joined( big, flipped( moved( small, { 2.0, 0.0, 0.0 } ) ) ), cellsOf( 0.1f ) );
 	EXPECT_NEAR( apart.report.volume, whole + hole, 0.01 * whole );
 	EXPECT_EQ( apart.report.components, 2 );
 	EXPECT_EQ( apart.report.shells, 2 );
-	// Overlapping, one of them inside out: the union. Lens of balls 1 and 1/2 at distance 1.2.
+	// Overlapping, one of them inverted: the union. Lens of balls 1 and 1/2 at distance 1.2.
 	const double d = 1.2;
 	const double lens = std::numbers::pi * 0.3 * 0.3 * ( d * d + 2.0 * d * 0.5 - 0.75 + 2.0 * d ) / ( 12.0 * d );
 	EXPECT_NEAR( volumeOfBuild( joined( big, flipped( moved( small, { d, 0.0, 0.0 } ) ) ) ), whole + hole - lens, 0.01 * whole );

@@ -10,7 +10,7 @@
 namespace pliant {
 namespace {
 
-/// The same lattice with the cells and links that are wanted.
+/// The same lattice with the selected cells and links only.
 Lattice reduced( const Lattice& from, const std::function<bool( int )>& hasCell, const std::function<bool( int, int )>& hasLink )
 {
 	Lattice to = from;
@@ -60,7 +60,7 @@ bool allLinks( int, int )
 	return true;
 }
 
-/// Every edge is run through as often in one direction as in the other.
+/// Every edge is traversed equally often in both directions.
 bool isClosed( const CellBoundary& boundary )
 {
 	std::vector<std::pair<std::uint32_t, std::uint32_t>> forward, backward;
@@ -120,7 +120,7 @@ TEST( CellBoundary, ACutHasTwoSidesAndAnOpenedCavityIsNone )
 	EXPECT_NEAR( std::max( cut.restVolume[0], cut.restVolume[1] ), 18, 1e-5 );
 	EXPECT_NEAR( std::min( cut.restVolume[0], cut.restVolume[1] ), 9, 1e-5 );
 	EXPECT_TRUE( isClosed( cut ) );
-	// A shaft from the middle to the outside.
+	// A shaft from the centre to the outside.
 	const auto isShaft = [&block]( int i ) {
 		const auto& at = block.coordinate[std::size_t( i )];
 		return at.x() == 1 && at.y() == 1 && at.z() > 0;

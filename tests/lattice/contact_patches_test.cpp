@@ -1,4 +1,4 @@
-// The drawn surface in front of the cells: what touches a body touches that, however the cells fill it.
+// The drawn surface in front of the cells, which objects touch, independently of the fill of the cells.
 
 #include "lattice_checks.h"
 
@@ -20,8 +20,8 @@ LatticeSettings drawn( float cell )
 	return settings;
 }
 
-// Cells of a ball's surface are full, half full or nearly empty: as balls of their own they stand up to a seventh of a cell out of it.
-// Patches are pieces of one sphere, whatever the cell holds.
+// Cells at a ball's surface are full, half full or nearly empty: their own spheres project from it by up to a seventh of a cell.
+// Patches are parts of one sphere, for any fill of the cell.
 TEST( ContactPatches, OfABallAreItsSurface )
 {
 	const Lattice lattice = built( makeSphere( 0.4, 60, 120 ), drawn( 0.06f ) ).lattice;
@@ -41,7 +41,7 @@ TEST( ContactPatches, OfABallAreItsSurface )
 	EXPECT_GT( count, 0.8 * surface );
 }
 
-// At its edges and corners there is no one sphere that fits.
+// No single sphere fits at its edges and corners.
 TEST( ContactPatches, OfABoxAreFlatAndEndAtItsEdges )
 {
 	const Lattice lattice = built( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), drawn( 0.1f ) ).lattice;
@@ -61,7 +61,7 @@ TEST( ContactPatches, OfABoxAreFlatAndEndAtItsEdges )
 	}
 }
 
-// A wall one cell thick has a surface on both sides of each node, and a sheet has no inside: their nodes' own spheres do.
+// A wall one cell thick has a surface on both sides of each node, and a sheet has no inside: both use their nodes' own spheres.
 TEST( ContactPatches, AreNotInThinParts )
 {
 	for ( const Lattice& lattice : { built( makeBox( { 0, 0, 0 }, { 1, 1, 0.1 } ), drawn( 0.1f ) ).lattice,

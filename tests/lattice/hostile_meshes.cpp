@@ -1,4 +1,4 @@
-// The corpus: what artists, exporters and attackers send.
+// Meshes from artists, exporters and attackers.
 
 #include "hostile_meshes.h"
 
@@ -63,7 +63,7 @@ private:
 	std::uint32_t m_state = 5;
 };
 
-/// Triangles thrown into a unit box, each at most `size` wide.
+/// Random triangles in a unit box, each at most `size` wide.
 Mesh thrown( int triangles, double size )
 {
 	Random random;
@@ -127,7 +127,7 @@ Mesh book( int pages )
 	return mesh;
 }
 
-/// A prism over a figure of eight: half of it winds the other way.
+/// A prism over a figure of eight: half of it has the opposite orientation.
 Mesh figureOfEight()
 {
 	Mesh mesh;
@@ -152,7 +152,7 @@ Mesh figureOfEight()
 	return mesh;
 }
 
-/// All vertices within a ball far smaller than the welding tolerance, but for one far away.
+/// All vertices within a ball far smaller than the welding tolerance, except a distant one.
 Mesh dust( int vertices )
 {
 	Mesh mesh = thrown( vertices / 3, 1e-7 );
@@ -196,7 +196,7 @@ Mesh crumpled( Mesh mesh )
 
 using List = std::vector<HostileMesh>;
 
-// One mesh a line.
+// One mesh on each line.
 // clang-format off
 void addBadNumbers( List& list )
 {
@@ -283,7 +283,7 @@ void addShells( List& list )
 	list.push_back( { "dust", []() { return dust( 60000 ); } } );
 }
 
-/// What has no inside, where the surface may not be material or where nothing else may be.
+/// Meshes without an inside, with settings that forbid shells or make everything a shell.
 void addShellsAsked( List& list )
 {
 	const auto never = [&list]( const char* name, std::function<Mesh()> make, ResultCode expected ) {

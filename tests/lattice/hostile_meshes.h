@@ -1,6 +1,6 @@
 #pragma once
 
-// Malformed and hostile meshes, made in code: each with what must come of it.
+// Malformed and hostile meshes, made in code, each with the expected result.
 
 #include "test_meshes.h"
 

@@ -1,5 +1,5 @@
-// Each hostile mesh gives a valid lattice or a clear error, within 256 MB and a bounded time. What each takes is measured by pliant_bench
-// (buildHostileMesh), not here: the limit below only catches a search whose time has become quadratic.
+// Each hostile mesh gives a valid lattice or a clear error, within 256 MB and a bounded time. The benchmark buildHostileMesh of
+// pliant_bench measures the times; the limit below only detects a search whose time has become quadratic.
 
 #include "hostile_meshes.h"
 #include "lattice_checks.h"
@@ -21,7 +21,7 @@
 
 namespace {
 
-// Test code: counts every byte that operator new hands out, and can run dry on demand. Sanitizers bring their own operator new.
+// For this test: counts every byte that operator new returns, and can fail on demand. Sanitizers have their own operator new.
 std::atomic<std::size_t> g_live = 0;
 std::atomic<std::size_t> g_peak = 0;
 std::atomic<long> g_allocationsLeft = -1;
@@ -128,7 +128,7 @@ TEST_P( Hostile, GivesABodyOrAClearError )
 
 	g_peak = g_live.load();
 	const std::size_t before = g_live;
-	// Processor time: the build runs on this thread alone, and a busy machine must not fail the test.
+	// Processor time, because the build runs on this thread alone and a busy machine must not fail the test.
 	const std::clock_t start = std::clock();
 	const Result<LatticeBuild> result = buildLattice( mesh.view(), settings );
 	const double seconds = double( std::clock() - start ) / CLOCKS_PER_SEC;
@@ -175,7 +175,7 @@ TEST( HostileViews, MissingArraysAreRefused )
 	view = mesh.view();
 	view.positionStride = 2;
 	EXPECT_EQ( buildLattice( view, {} ).status.code, ResultCode::BadArgument );
-	// Promised, not there: refused by count, before anything is read.
+	// More triangles than the array has: refused by their number, before any is read.
 	view = mesh.view();
 	view.triangleCount = std::size_t( 1 ) << 60;
 	EXPECT_EQ( buildLattice( view, {} ).status.code, ResultCode::TooManyTriangles );

@@ -1,6 +1,6 @@
 #pragma once
 
-// What several lattice tests ask of a build.
+// Checks of a build that several lattice tests share.
 
 #include "test_meshes.h"
 
@@ -36,7 +36,7 @@ inline bool areLinked( const Lattice& lattice, int i, int j )
 		row + lattice.linkStart[std::size_t( i )], row + lattice.linkStart[std::size_t( i ) + 1], std::uint32_t( j ) );
 }
 
-/// Every bit but where the lattice stands.
+/// All bits except those of the lattice's position.
 inline void expectEqual( const Lattice& a, const Lattice& b )
 {
 	EXPECT_EQ( a.cellSize, b.cellSize );

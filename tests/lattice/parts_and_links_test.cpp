@@ -26,7 +26,7 @@ int linksAcross( const Lattice& lattice, double x, double y )
 	return count;
 }
 
-/// A block with a slit from the top: three boxes that overlap, so that the union of shells is tested with it.
+/// A block with a slit from the top, made of three boxes that overlap, so that the union of shells is tested too.
 Mesh makeSlitBlock( double from, double to )
 {
 	return joined(
@@ -61,7 +61,7 @@ TEST( Parts, ASlitSeparatesWhereverItLies )
 		EXPECT_EQ( build.report.components, 1 ) << from;
 		EXPECT_GT( build.report.cutLinks, 0 ) << from;
 	}
-	// The ruler itself: without a slit there are links to be counted.
+	// Checks the counting itself: without a slit there are links.
 	const LatticeBuild whole = built( makeSlitBlock( 2.0, 2.0 ), cellsOf( 0.5f ) );
 	EXPECT_GT( linksAcross( whole.lattice, 2.0, 1.01 ), 0 );
 	EXPECT_EQ( whole.report.cutLinks, 0 );
@@ -75,7 +75,7 @@ TEST( Parts, FingersSideBySideStayApart )
 	EXPECT_EQ( build.lattice.cellCount(), 4 * 6 * 2 );
 	EXPECT_EQ( build.report.splitCells, 0 );
 	EXPECT_EQ( build.report.components, 2 );
-	// Turned any way, too.
+	// Rotated in any direction, too.
 	for ( const double angle : { 0.2, 0.5, 0.9, 1.4 } )
 	{
 		EXPECT_EQ( built( rotated( fingers, angle ), cellsOf( 1.0f ) ).report.components, 2 ) << angle;
@@ -84,7 +84,7 @@ TEST( Parts, FingersSideBySideStayApart )
 
 TEST( Parts, AGluedPairIsOneBody )
 {
-	// The wall between is drawn twice, once by each box.
+	// Both boxes draw the wall between them.
 	const Mesh pair = joined( makeBox( { 0, 0, 0 }, { 2, 2, 2 } ), makeBox( { 2, 0, 0 }, { 4, 2, 2 } ) );
 	const LatticeBuild build = built( pair, cellsOf( 0.5f ) );
 	EXPECT_EQ( build.report.droppedTriangles, 4 );

@@ -1,4 +1,4 @@
-// The surface as material: which cells it gets, what they weigh, how they hold together, and whom it leaves alone.
+// The surface as material: its cells, their masses and links, and solids that must stay as they are.
 
 #include "lattice_checks.h"
 
@@ -47,7 +47,7 @@ TEST( ShellCells, ASheetIsOneLayerOfFullCells )
 TEST( ShellCells, WeighAreaTimesThickness )
 {
 	EXPECT_NEAR( built( unitSheet(), shellOf( 0.1f, Shell::WhereNeeded, 0.02f ) ).report.volume, 0.02, 2e-4 );
-	// Turned, the same, but for corners that are lifted to the least fill.
+	// The same rotated, except for corners that are raised to the least fill.
 	EXPECT_NEAR( built( rotated( unitSheet(), 0.6 ), shellOf( 0.1f, Shell::WhereNeeded, 0.02f ) ).report.volume, 0.02, 0.002 );
 	// 6 m^2, 1 cm thick.
 	EXPECT_NEAR( built( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), shellOf( 0.07f, Shell::Always, 0.01f ) ).report.volume, 0.06, 0.003 );
@@ -64,13 +64,13 @@ TEST( ShellCells, ASlantedSheetHoldsTogetherInOneLayer )
 		const LatticeBuild build = built( rotated( unitSheet(), angle ), cellsOf( 0.05f ) );
 		EXPECT_EQ( build.report.components, 1 ) << angle;
 		EXPECT_GE( build.lattice.cellCount(), 400 ) << angle;
-		EXPECT_LE( build.lattice.cellCount(), 800 ) << angle; // 2 a cell's face where it stands along a diagonal
+		EXPECT_LE( build.lattice.cellCount(), 800 ) << angle; // two for each cell's face where it lies along a diagonal
 	}
 }
 
 TEST( ShellCells, SheetsThatDoNotTouchStayApart )
 {
-	const Mesh sheet = makeBox( { 0, 0, 0 }, { 1, 1, 0 }, 20 ); // drawn from both sides
+	const Mesh sheet = makeBox( { 0, 0, 0 }, { 1, 1, 0 }, 20 ); // both sides drawn
 	const LatticeBuild build = built( joined( sheet, moved( sheet, { 0, 0, 0.15 } ) ), cellsOf( 0.1f ) );
 	EXPECT_EQ( build.report.components, 2 );
 	EXPECT_EQ( build.report.shellCells, 200 );
@@ -104,8 +104,8 @@ TEST( ShellCells, AFinTooThinForCellsHangsOnItsBody )
 	EXPECT_EQ( build.report.shellCells, build.lattice.cellCount() - 1000 );
 	EXPECT_EQ( build.report.shellCells, 60 ); // 10 along, 6 across
 	EXPECT_GE( linksAcross( build.lattice ), 6 );
-	EXPECT_NEAR( build.report.volume, 1.0, 0.005 ); // a fin of paper weighs little
-	// The body's own cells and links are what they were.
+	EXPECT_NEAR( build.report.volume, 1.0, 0.005 ); // a fin as thin as paper has little mass
+	// The body's own cells and links are unchanged.
 	EXPECT_EQ( std::count( build.lattice.fill.begin(), build.lattice.fill.end(), 1.0f ), 1000 );
 }
 
@@ -151,8 +151,8 @@ TEST( ShellCells, ThreadsChangeNothing )
 	expectEqual( alone, built( mesh, settings ).lattice );
 }
 
-// A sphere of 10 000 triangles, a tenth of them gone, was refused as "too many triangles" where a fraction of a second's work tells its
-// inside.
+// A sphere of 10 000 triangles without a tenth of them was refused as "too many triangles", although its inside can be found in a fraction
+// of a second.
 TEST( ShellCells, ManyHolesAreNoReasonToRefuse )
 {
 	const Mesh hull = without( makeSphere( 0.5, 50, 102 ), []( std::size_t t ) { return t % 10 == 3; } );
@@ -164,7 +164,7 @@ TEST( ShellCells, ManyHolesAreNoReasonToRefuse )
 	EXPECT_EQ( build.report.components, 1 );
 }
 
-// Sentences say what is so: neither is a mesh of too many triangles, and both name the knob.
+// The sentences give the true reason: neither mesh has too many triangles. Both name the setting.
 TEST( ShellCells, RefusalsNameTheirCause )
 {
 	LatticeSettings settings;

@@ -1,4 +1,4 @@
-// Shapes for tests: each the plainest way to write it down.
+// Shapes for tests, in simple code.
 
 #include "test_meshes.h"
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A closed sheet over rings x segments: a sphere's poles shrink to points, a torus goes round both ways.
+/// A closed sheet over rings x segments: a sphere's poles shrink to points, a torus is periodic in both directions.
 template <class F>
 Mesh makeSphereLike( int rings, int segments, F&& radiusAt )
 {
@@ -92,7 +92,7 @@ Mesh makeBox( Point low, Point high )
 
 Mesh makeBox( Point low, Point high, int n )
 {
-	// Faces are cut one by one and meet in equal vertices, found by their place on the grid.
+	// Faces are divided one by one and share equal vertices, found by their position on the grid.
 	Mesh mesh;
 	std::map<std::array<int, 3>, std::uint32_t> made;
 	const auto at = [&]( std::array<int, 3> g ) {

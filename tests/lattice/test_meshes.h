@@ -1,6 +1,6 @@
 #pragma once
 
-// Shapes made in code, for tests and benches. Plain arrays, counter-clockwise seen from outside.
+// Shapes made in code, for tests and benchmarks. Plain arrays, counter-clockwise seen from outside.
 
 #include "pliant/mesh.h"
 
@@ -35,21 +35,21 @@ Mesh makeBox( Point low, Point high, int n );
 Mesh makeBeam( double length, double width, int cuts );
 Mesh makeSphere( double radius, int rings, int segments );
 Mesh makeTorus( double radius, double tube, int rings, int segments );
-/// A sphere with waves of height `bump`, in shares of the radius: something like an animal's skin.
+/// A sphere with waves of height `bump`, as a fraction of the radius, similar to a scanned animal.
 Mesh makeBumpySphere( double radius, double bump, int rings, int segments );
-/// A blob of several balls grown together, out of marching tetrahedra over n^3 cubes.
+/// A union of several balls, by marching tetrahedra over n^3 cubes.
 Mesh makeGlob( double radius, int n );
 
 Mesh joined( const Mesh& a, const Mesh& b );
 Mesh moved( Mesh mesh, Point by );
 Mesh scaled( Mesh mesh, double by );
-/// Turned about (1, 2, 3) by an angle, radians.
+/// Rotated about (1, 2, 3) by an angle, radians.
 Mesh rotated( Mesh mesh, double angle );
-/// Every triangle the other way round.
+/// Every triangle inverted.
 Mesh flipped( Mesh mesh );
 /// Three own vertices for each triangle.
 Mesh unwelded( const Mesh& mesh );
-/// Without every triangle for which `drop` is true of its number.
+/// Without the triangles for whose numbers `drop` is true.
 Mesh without( const Mesh& mesh, bool ( *drop )( std::size_t triangle ) );
 
 } // namespace pliant::test

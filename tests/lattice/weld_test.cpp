@@ -1,4 +1,4 @@
-// Welding, doubles, and the sense of triangles.
+// Welding, duplicates, and orientation of triangles.
 
 #include "lattice_checks.h"
 
@@ -35,13 +35,13 @@ TEST( Weld, SeamsClose )
 	EXPECT_EQ( seams.mesh.position.size(), sphere.vertexCount() );
 	EXPECT_TRUE( seams.rim.empty() );
 	EXPECT_EQ( seams.report.weldedVertices, int( 3 * sphere.triangleCount() - sphere.vertexCount() ) );
-	// Exact doubles are one at tolerance zero, too.
+	// Exact duplicates are merged at tolerance zero, too.
 	EXPECT_EQ( weld( unwelded( sphere ), 0.0f ).mesh.position.size(), sphere.vertexCount() );
 }
 
 TEST( Weld, AcrossTheBordersOfBuckets )
 {
-	// Each corner a hair aside, wherever it falls in the grid of buckets.
+	// Each corner slightly displaced, at any position in the grid of buckets.
 	const Mesh sphere = makeSphere( 1.0, 40, 80 );
 	Mesh shaken = unwelded( sphere );
 	std::uint32_t state = 7;
@@ -53,7 +53,7 @@ TEST( Weld, AcrossTheBordersOfBuckets )
 	const Welded seams = weld( shaken, 1e-4f );
 	EXPECT_EQ( seams.mesh.position.size(), sphere.vertexCount() );
 	EXPECT_TRUE( seams.rim.empty() );
-	// And what lies farther apart stays apart.
+	// Points farther apart are not merged.
 	EXPECT_GT( weld( shaken, 1e-6f ).mesh.position.size(), 2 * sphere.vertexCount() );
 }
 

@@ -1,4 +1,4 @@
-// The tree against the sum over all triangles, and against what is known.
+// The tree compared with the sum over all triangles, and with known values.
 
 #include "lattice_checks.h"
 
@@ -106,7 +106,7 @@ TEST( WindingNumber, CountingAndCapsGiveTheSameAsTheWholeSum )
 	ASSERT_FALSE( field.isSoup() );
 	for ( const Vec3d& p : randomPoints( 300, 1.3 ) )
 	{
-		// Closed by caps the ball is a ball without its top: inside is below the rim's plane.
+		// Closed by caps the ball lacks its top: inside is below the rim's plane.
 		const double top = std::cos( 5.0 * 3.14159265358979 / 32.0 );
 		if ( std::abs( p.norm() - 1.0 ) > 0.02 && std::abs( p.z() - top ) > 0.02 )
 		{

@@ -1,5 +1,5 @@
-// A lattice of regions is an elastic solid: bars hang and swing, and blocks stand, as rod theory says, whatever the step and the
-// resolution. Young's modulus is what the user gave, Poisson's ratio 0.
+// A lattice of regions is an elastic solid: hanging and swinging bars and standing blocks agree with rod theory at any step and resolution.
+// Young's modulus is the one set, Poisson's ratio 0.
 
 #include "support/block_body.h"
 #include "support/explicit_material.h"
@@ -48,7 +48,7 @@ double meanTipDrop( const Body& body )
 	return sum / count;
 }
 
-/// Hangs a bar by its upper cells, lets go, and watches eight swings without damping.
+/// Hangs a bar by its upper cells, releases it, and follows eight swings without damping.
 BarResult swing( const Bar& bar )
 {
 	const float length = 1.6f, gravity = 0.3f;

@@ -1,4 +1,4 @@
-// Far levels: bars stiffer than one substep of the finest level can make them swing as rod theory says, at the same substep.
+// Far levels: bars stiffer than the reach of one substep of the finest level swing as in rod theory, at the same substep.
 
 #include "support/block_body.h"
 #include "support/explicit_material.h"
@@ -16,7 +16,7 @@ constexpr float kCell = 0.025f;        // m
 constexpr float kStep = 1.0f / 240.0f; // s
 constexpr double kPiD = 3.14159265358979323846;
 
-/// `times`: Young's modulus over what alpha = 1 gives without far levels.
+/// `times`: Young's modulus over that of alpha = 1 without far levels.
 Material stiff( double times, int farLevels )
 {
 	Material material = test::explicitMaterial();
@@ -29,7 +29,7 @@ Material stiff( double times, int farLevels )
 	return material;
 }
 
-/// The strongest period between half of `near` and twice it: the top of a windowed spectrum.
+/// The strongest period between half of `near` and twice it: the maximum of a windowed spectrum.
 double periodOf( const std::vector<double>& values, double h, double near )
 {
 	const auto power = [&]( double period ) {
@@ -78,7 +78,7 @@ std::unique_ptr<Body> makeBar( const BarCase& bar )
 	return body;
 }
 
-/// Lets the bar ring from the given shape of its slowest mode and returns the period over theory's.
+/// Releases the bar in the shape of its slowest mode and returns the period over theory's.
 double ring( const BarCase& bar, double period, int axis, const std::function<double( double )>& shape )
 {
 	const std::unique_ptr<Body> body = makeBar( bar );
@@ -193,7 +193,7 @@ TEST_P( FarBar, HangsAsRodTheorySays )
 
 INSTANTIATE_TEST_SUITE_P( Widths, FarBar, testing::Values( 4, 8 ) );
 
-/// The substep at which the far end of a bar of 64 cells has made half of a sudden move of its other end.
+/// The substep at which the far end of a bar of 64 cells has made half of a sudden displacement of its other end.
 int arrival( double times, int farLevels )
 {
 	const std::unique_ptr<Body> body = makeBar( { 64, 4, times, farLevels, true } );
@@ -248,7 +248,7 @@ TEST( FarLevels, KeepBothMomentaInFreeFlight )
 
 using Mangle = std::function<Vec3( const Vec3&, test::Seeded& )>;
 
-/// Mangles a bar with three far levels near their limit, waits, and checks that it is itself again.
+/// Distorts a bar with three far levels near their limit, waits, and checks that it has recovered.
 void expectReturn( int width, float damping, const Mangle& mangle )
 {
 	const std::unique_ptr<Body> body = makeBar( { 32, width, 60.0, 3, false } );

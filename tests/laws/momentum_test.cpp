@@ -1,4 +1,4 @@
-// What a body alone in space keeps.
+// Conservation for a body without external forces.
 
 #include "support/block_body.h"
 #include "support/explicit_material.h"
@@ -13,7 +13,7 @@ struct Drift
 	double linear, angular; ///< relative
 };
 
-/// Sets a block flying, spinning and vibrating, and returns how its momenta have drifted after some substeps.
+/// Sets a block in motion, spinning and vibrating, and returns the drift of its momenta after some substeps.
 Drift fly( const Material& material, int substeps )
 {
 	const auto body = test::makeBlock( 8, 6, 7, 0.1f, material );
@@ -59,7 +59,7 @@ TEST( FreeFlight, LeaksWithThePapersLiteralWeights )
 	Material material = test::explicitMaterial();
 	material.weights = Weights::Literal;
 	const Drift drift = fly( material, 600 );
-	EXPECT_GT( std::max( drift.linear, drift.angular ), 1e-4 ); // if this ever holds, the literal mode is not literal
+	EXPECT_GT( std::max( drift.linear, drift.angular ), 1e-4 ); // otherwise the literal mode would not be literal
 }
 
 TEST( FreeFlight, NeverGainsEnergy )

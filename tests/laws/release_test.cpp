@@ -1,4 +1,4 @@
-// A body comes back from anything: flat, mirrored, scrambled, one point, blown up, and from steps far too long.
+// A body recovers from any state: flat, mirrored, scrambled, one point, enlarged, and from steps that are far too long.
 
 #include "support/block_body.h"
 #include "support/explicit_material.h"
@@ -12,7 +12,7 @@ namespace {
 
 using Mangle = std::function<Vec3( const Vec3&, test::Seeded& )>;
 
-/// Mangles a 1 m block of n cells an edge, waits ten seconds with default settings, and checks that it is itself again.
+/// Distorts a 1 m block of n cells an edge, waits ten seconds with default settings, and checks that it has recovered.
 void expectReturn( int cells, const Mangle& mangle )
 {
 	const auto body = test::makeBlock( cells, cells, cells, 1.0f / float( cells ) );
@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P( Sizes, Release, testing::Values( 6, 8 ) );
 TEST( LongStep, OfATenthOfASecondReturnsToRestToo )
 {
 	Material material = test::explicitMaterial();
-	material.youngsModulus = 1e5f; // far out of reach at this step: alpha is cut to 1
+	material.youngsModulus = 1e5f; // far out of reach at this step: alpha is limited to 1
 	const auto body = test::makeBlock( 8, 8, 8, 0.125f, material );
 	NodeState& nodes = body->nodes();
 	const float alpha = planStiffness( material, 0.125f, 0.1f, 1 ).alpha;
@@ -86,8 +86,8 @@ TEST( LongStep, OfATenthOfASecondReturnsToRestToo )
 
 TEST( BodyFraction, CarriesTheWeightTheRegionsCannot )
 {
-	// Hung by its upper cells, E far out of reach of the regions at this step: without the whole-body match it would hang
-	// ( E_f = 1.2 kPa against rho g L = 9.8 kPa ) many times its own length.
+	// Hung by its upper cells, E far out of the regions' reach at this step: without the whole-body match it would sag
+	// by many times its own length ( E_f = 1.2 kPa against rho g L = 9.8 kPa ).
 	Material material = test::explicitMaterial();
 	material.youngsModulus = 1e6f;
 	const float d = 0.05f, h = 1.0f / 60.0f;

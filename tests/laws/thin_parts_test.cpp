@@ -1,5 +1,5 @@
-// Parts one cell thick. Steinemann et al. 2008, section 8, and Rivers and James need volume for their regions; here a row and a layer of
-// cells bend as a rod and a plate do, for at w = 1 the three cells of a row that bends resist it with just m d^2 / 18, which is E I.
+// Parts one cell thick. Steinemann et al. 2008, section 8, and Rivers and James need regions with a volume; here a row and a layer of cells
+// bend as a rod and a plate do, because at w = 1 the three cells of a row resist bending with m d^2 / 18, which is E I.
 
 #include "support/block_body.h"
 #include "support/explicit_material.h"
@@ -94,7 +94,7 @@ TEST( ThinParts, ShakenBentAndTwistedTheyStayFiniteForAHundredThousandSteps )
 		{
 			ASSERT_EQ( test::substep( *body, 1.0f / 240.0f, 1.0f ), BodyHealth::Good ) << "step " << step;
 		}
-		EXPECT_LT( test::shapeError( *body ), 5e-3 ); // it spins on, and is stretched by that
+		EXPECT_LT( test::shapeError( *body ), 5e-3 ); // it still spins, which stretches it
 	}
 }
 

@@ -13,8 +13,8 @@ namespace {
 
 TEST( LongStep, OfATenthOfASecondInvertsNothing )
 {
-	// stepSimulation( 0.1, 0 ): one step of Bullet's, one soft substep for a sixtieth of a second. What the step's length makes
-	// necessary the world adds by itself.
+	// stepSimulation( 0.1, 0 ): one step of Bullet's, one soft substep for a sixtieth of a second. The world adds the substeps that the
+	// step's length requires.
 	test::SoftWorld scene;
 	scene.addFloor();
 	scene.world.setSoftSubsteps( 1 );

@@ -1,4 +1,4 @@
-// Müller's clusters: what they keep, what they bring back, and what each mode can follow.
+// Müller's clusters: conservation, recovery, and the deformations that each mode can follow.
 
 #include "matching/clusters/cluster_matcher.h"
 #include "support/explicit_material.h"
@@ -50,7 +50,7 @@ std::vector<Kind> allKinds()
 	return kinds;
 }
 
-/// What one call changes of velocities that were zero, m/s.
+/// Change of velocities by one call, for nodes at rest, m/s.
 Vec3Array changeOf( Matcher& matcher, NodeState& nodes, const MatchStep& step, TaskRunner* runner = nullptr )
 {
 	nodes.v.resize( nodes.padded );
@@ -89,7 +89,7 @@ TEST_P( Clusters, LeaveARigidMotionAlone )
 	const MatchStep step{ kStep, 1.0f, 10.0f, 0.0f, 0.0f };
 	EXPECT_LT( largest( changeOf( *matcher, nodes, step ), nodes.count ) * kStep, 1e-6 ); // at rest, m
 
-	// Turned by 170 degrees at one go: no history helps.
+	// Rotated by 170 degrees at once: no history helps.
 	const Eigen::Quaterniond turn( Eigen::AngleAxisd( 2.967, Vec3d( 1, -2, 3 ).normalized() ) );
 	matcher->reset( nodes, turn );
 	for ( int i = 0; i < nodes.count; ++i )
@@ -125,7 +125,7 @@ TEST_P( Clusters, KeepBothMomentaInFreeFlight )
 	const BodySums after = body->sums();
 	EXPECT_LT( ( after.momentum - before.momentum ).norm() / before.momentum.norm(), 1e-5 );
 	EXPECT_LT( ( after.spin - before.spin ).norm() / before.spin.norm(), 1e-4 );
-	EXPECT_LT( after.kineticEnergy, before.kineticEnergy * 1.5 ); // the stretch it was set off with adds a little
+	EXPECT_LT( after.kineticEnergy, before.kineticEnergy * 1.5 ); // the initial stretch adds a little
 }
 
 TEST_P( Clusters, ComeBackFromAnything )
@@ -197,7 +197,7 @@ TEST( SingleCluster, ReachesItsRigidGoalInOneStiffStep )
 	EXPECT_LT( test::shapeError( *body ), 1e-6 );
 }
 
-/// How far the goals stay behind a deformed shape when the fit may follow it, rms in cells: 0 for a mode that can follow altogether.
+/// Distance of the goals from a deformed shape when the fit may follow it, rms in cells: 0 for a mode that can follow it completely.
 double unfollowed( ClusterMode mode, const std::function<Vec3( const Vec3& )>& deform )
 {
 	const Lattice lattice = makeBlockLattice( 12, 4, 4, 0.1f );
@@ -218,7 +218,8 @@ double unfollowed( ClusterMode mode, const std::function<Vec3( const Vec3& )>& d
 
 TEST( Modes, QuadraticFollowsBendingAndTwistingWhereLinearCannot )
 {
-	// A parabola, a twist and a saddle: of second order, so that the quadratic mode has them exactly and keeps 1 - beta of them.
+	// A parabola, a twist and a saddle: of second order, so that the quadratic mode represents them exactly and resists with 1 - beta of
+	// them.
 	const auto bend = []( const Vec3& x ) { return Vec3( x.x() - 0.3f * x.x() * x.y(), x.y() + 0.15f * x.x() * x.x(), x.z() ); };
 	const auto twist = []( const Vec3& x ) { return Vec3( x.x(), x.y() - 0.4f * x.x() * x.z(), x.z() + 0.4f * x.x() * x.y() ); };
 	for ( const auto& deform : { std::function<Vec3( const Vec3& )>( bend ), std::function<Vec3( const Vec3& )>( twist ) } )
@@ -227,7 +228,7 @@ TEST( Modes, QuadraticFollowsBendingAndTwistingWhereLinearCannot )
 		const double linear = unfollowed( ClusterMode::Linear, deform );
 		const double quadratic = unfollowed( ClusterMode::Quadratic, deform );
 		std::printf( "left behind, cells: rigid %.4f, linear %.4f, quadratic %.4f\n", rigid, linear, quadratic );
-		EXPECT_LT( quadratic, 0.08 * rigid ); // 1 - beta = 0.05, and what the floor on thin directions costs
+		EXPECT_LT( quadratic, 0.08 * rigid ); // 1 - beta = 0.05, and the effect of the floor on thin directions
 		EXPECT_GT( linear, 0.5 * rigid );
 	}
 }
@@ -237,12 +238,12 @@ TEST( Modes, LinearFollowsAStretchThatKeepsTheVolume )
 	const auto shear = []( const Vec3& x ) { return Vec3( x.x() + 0.3f * x.y(), x.y(), x.z() ); };
 	EXPECT_LT( unfollowed( ClusterMode::Linear, shear ), 0.06 * unfollowed( ClusterMode::Rigid, shear ) );
 
-	// A mere growth is not followed: A / cbrt( det A ) asks for the rest volume back.
+	// Uniform growth is not followed: A / cbrt( det A ) restores the rest volume.
 	const auto grow = []( const Vec3& x ) { return Vec3( 1.2f * x ); };
 	EXPECT_NEAR( unfollowed( ClusterMode::Linear, grow ) / unfollowed( ClusterMode::Rigid, grow ), 1.0, 1e-3 );
 }
 
-/// How far the free end of a bar held at the other goes under a weight, m, once all is still.
+/// Displacement of the free end of a bar held at the other end under a weight, at rest, m.
 double give( const Material& material, const Vec3& gravity )
 {
 	const auto body = test::makeBlock( 12, 4, 4, 0.05f, material );
@@ -273,7 +274,7 @@ double give( const Material& material, const Vec3& gravity )
 
 TEST( Modes, LargerBetaIsSofter )
 {
-	// Linear clusters give way to a pull; to a bend only the quadratic ones do.
+	// Linear clusters deform under a pull; under bending only quadratic ones do.
 	for ( ClusterMode mode : { ClusterMode::Linear, ClusterMode::Quadratic } )
 	{
 		for ( Vec3 gravity : { Vec3( 2, 0, 0 ), Vec3( 0, -0.1f, 0 ) } )
@@ -322,7 +323,7 @@ TEST( ClusterSet, BoxesOverlapByHalfAndEveryLinkLiesInOne )
 	EXPECT_EQ( row.member, ( std::vector<std::uint32_t>{ 0, 1, 2, 3, 2, 3, 4, 5, 4, 5, 6, 7 } ) );
 }
 
-/// A row of cells whose links between the two cells at `cut` and `cut + 1` are gone.
+/// A row of cells without the links between the two cells at `cut` and `cut + 1`.
 Lattice cutRow( int cells, int cut )
 {
 	Lattice lattice = makeBlockLattice( cells, 1, 1, 0.1f );
@@ -352,7 +353,7 @@ TEST( ClusterSet, ABoxIsCutWhereTheMaterialIs )
 	EXPECT_EQ( set.member, ( std::vector<std::uint32_t>{ 0, 1, 2, 3 } ) );
 	EXPECT_EQ( set.start, ( std::vector<std::uint32_t>{ 0, 2, 4 } ) );
 
-	// The two halves do not feel each other.
+	// The two halves do not affect each other.
 	NodeState nodes = test::restNodes( lattice );
 	const auto matcher = makeClusterMatcher( lattice, materialOf( { Method::Clusters, ClusterMode::Rigid, 0.0f } ), nodes );
 	nodes.x.set( 2, nodes.x.get( 2 ) + Vec3( 0, 1, 0 ) );

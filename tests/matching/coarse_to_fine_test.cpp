@@ -1,4 +1,5 @@
-// Far levels: against their slow twin, over instruction sets and threads, what they keep, what they leave alone, and what is refused.
+// Far levels: compared with their reference implementation, on all instruction sets and numbers of threads; conservation, bodies without
+// them, refusals.
 
 #include "matching/reference/reference_coarse_to_fine.h"
 #include "matching/step/lattice_matcher.h"
@@ -16,7 +17,7 @@ namespace {
 
 constexpr float kCell = 0.1f, kStep = 1.0f / 240.0f;
 
-/// Bodies with what goes wrong first: several parts in a block, plates and rods of one cell, cells that are not full.
+/// Bodies that are likely to fail: several parts in a block, plates and rods of one cell, cells that are not full.
 Lattice lattices( int which )
 {
 	if ( which == 1 )
@@ -29,7 +30,7 @@ Lattice lattices( int which )
 		}
 		return blob;
 	}
-	if ( which == 4 ) // box sums over a grid with holes: records do not stand in the cells' order
+	if ( which == 4 ) // box sums over a grid with holes: records are not in the cells' order
 	{
 		return test::makeShapeLattice( { 24, 9, 8 }, kCell, []( int x, int, int ) { return x >= 5; } );
 	}
@@ -38,7 +39,7 @@ Lattice lattices( int which )
 					  : makeBlockLattice( 33, 1, 1, kCell );
 }
 
-/// Turned by far, bent and bentAndTurned.
+/// Rotated by a large angle, bent, and both.
 NodeState bentAndTurned( const Lattice& lattice, float shake, const Vec3& where = Vec3( 2, -1, 3 ) )
 {
 	NodeState nodes = test::restNodes( lattice );
@@ -181,7 +182,7 @@ TEST( FarLevels, LeaveARigidMotionAlone )
 	LatticeMatcher matcher( lattice, Material{} );
 	matcher.setFarLevels( 3 );
 	matcher.accelerate( nodes, stepOf( { 0.6f, 0.6f, 0.6f } ), nullptr );
-	EXPECT_LT( largestVelocity( nodes ), 1e-3 ); // positions of 5 m are known to 5e-7 m
+	EXPECT_LT( largestVelocity( nodes ), 1e-3 ); // positions of 5 m are accurate to 5e-7 m
 }
 
 TEST( FarLevels, TurnWithTheBody )
@@ -210,7 +211,7 @@ TEST( FarLevels, TurnWithTheBody )
 TEST( FarLevels, GiveTheSameBitsOnEveryInstructionSetAndForAnyThreadCount )
 {
 	const Lattice lattice = test::makeBlobLattice( 28, kCell, 5 );
-	for ( const float shake : { 0.3f, 20.0f } ) // 20: many regions go to the careful road
+	for ( const float shake : { 0.3f, 20.0f } ) // 20: many regions take the careful rotation
 	{
 		std::vector<NodeState> results;
 		const auto run = [&]( const Kernels& kernels, TaskRunner* runner ) {
@@ -263,7 +264,7 @@ TEST( FarLevels, DoNothingWhereTheFinestLevelIsEnough )
 
 TEST( FarLevels, DoNotReachAcrossAGap )
 {
-	// Two prongs on a common foot, side by side without links: what is done to the end of one is not felt at the end of the other.
+	// Two prongs on a common foot, side by side without links: a force on the end of one has no effect on the end of the other.
 	const auto inside = []( int, int, int ) { return true; };
 	const auto isLeft = []( int cell ) { return cell % 6 < 3; };
 	const auto isFoot = []( int cell ) { return cell / 6 % 64 < 8; };

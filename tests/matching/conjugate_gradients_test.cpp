@@ -1,4 +1,4 @@
-// Conjugate gradients in parts are those in one piece, and tell the system where they go.
+// Conjugate gradients for several parts agree with those for one, and report each step to the system.
 
 #include "matching/implicit/conjugate_gradients.h"
 
@@ -9,11 +9,11 @@
 namespace pliant {
 namespace {
 
-/// A chain of springs on a soft ground, its diagonal in front.
+/// A chain of springs on a soft foundation, with its diagonal as preconditioner.
 class Chain : public LinearSystem
 {
 public:
-	AlignedArray<float> gone = AlignedArray<float>( 64, 0.0f ); ///< A x less what it was at the start
+	AlignedArray<float> gone = AlignedArray<float>( 64, 0.0f ); ///< A x minus its initial value
 
 	int size() const override { return 64; }
 	void apply( const float* v, float* to ) override
@@ -55,7 +55,7 @@ TEST( ConjugateGradients, GoOnWhereTheyStood )
 	}
 	ConjugateGradients one, other;
 	const int products = one.solve( chain, b.data(), whole.data(), GradientLimits{ 1e-8, 0.0, 200 } );
-	other.begin( told, b.data() ); // what is off at 0
+	other.begin( told, b.data() ); // the residual at 0
 	int sum = 0;
 	for ( const double fraction : { 1e-1, 1e-3, 1e-3, 1e-8 } )
 	{

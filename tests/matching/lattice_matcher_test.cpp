@@ -1,4 +1,4 @@
-// The fast road against the slow one, and the promise of equal bits.
+// The kernels compared with the reference implementation, and the guarantee of equal bits.
 
 #include "matching/reference/reference_matcher.h"
 #include "matching/step/lattice_matcher.h"
@@ -13,7 +13,7 @@
 namespace pliant {
 namespace {
 
-/// A block turned, moved and shaken by `shake` cells a node.
+/// A block rotated, moved and displaced at random by `shake` cells a node.
 NodeState shaken( const Lattice& lattice, float shake )
 {
 	NodeState nodes = test::restNodes( lattice );
@@ -27,7 +27,7 @@ NodeState shaken( const Lattice& lattice, float shake )
 	return nodes;
 }
 
-/// A block with a corner taken out and a slit cut: regions that are no full cubes.
+/// A block with a missing corner and a slit: regions that are not full cubes.
 Lattice crackedLattice()
 {
 	Lattice lattice = makeBlockLattice( 7, 6, 5, 0.1f );
@@ -119,7 +119,7 @@ TEST_P( SlowTwin, AgreesOverTenSubsteps )
 		{
 			slow.accelerate( wanted, step, nullptr );
 		}
-		// The reference keeps what rounding and masses in float leave of the net impulse; the fast road takes it off.
+		// The reference keeps the net impulse left by rounding and by masses in float; the kernels remove it.
 		EXPECT_LT( worstDifference( seen[0], wanted ), 1e-3f * largestSpeed( wanted ) );
 		EXPECT_LT( worstDifference( seen[1], wanted ), 1e-3f * largestSpeed( wanted ) );
 		EXPECT_LT( worstDifference( seen[0], seen[1] ), 1e-5f * largestSpeed( wanted ) );
@@ -146,7 +146,7 @@ TEST( LatticeMatcher, GivesTheSameBitsOnEveryInstructionSet )
 	int tried = 0;
 	for ( int halfWidth : { 1, 2, 3 } )
 	{
-		for ( float shake : { 0.1f, 3.0f } ) // 3 cells: many regions go to the careful road
+		for ( float shake : { 0.1f, 3.0f } ) // 3 cells: many regions take the careful rotation
 		{
 			const Lattice lattice = crackedLattice();
 			Material material = test::explicitMaterial();
@@ -207,7 +207,7 @@ TEST( LatticeMatcher, LeavesARigidMotionAlone )
 	LatticeMatcher matcher( lattice, Material{} );
 	matcher.accelerate( nodes, MatchStep{ 1.0f / 240.0f, 1.0f, 10.0f, 3.0f, 0.0f }, nullptr );
 
-	// Positions of a few metres are known to 5e-7 m; at 240 substeps a second that is 1e-4 m/s.
+	// Positions of a few metres are accurate to 5e-7 m; at 240 substeps a second that is 1e-4 m/s.
 	EXPECT_LT( largestSpeed( nodes ), 2.5e-4f );
 	std::vector<float> q( nodes.count * 4 );
 	matcher.nodeRotations( nodes, q.data() );

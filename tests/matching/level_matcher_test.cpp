@@ -1,4 +1,5 @@
-// The step over several levels: against its slow twin, over instruction sets and threads, and the momentum it keeps.
+// The step over several levels: compared with its reference implementation, on all instruction sets and numbers of threads, and its
+// momentum.
 
 #include "matching/reference/reference_level_matcher.h"
 #include "matching/step/lattice_matcher.h"
@@ -48,7 +49,7 @@ protected:
 			*base, lattice, cut, buildLevelRegions( *base, lattice, cut, material, settings ), LevelSettings{ material, settings, {} } );
 	}
 
-	/// Shaken by a tenth of a cell and moving.
+	/// Displaced at random by a tenth of a cell, and moving.
 	NodeState shaken() const
 	{
 		NodeState nodes;
@@ -91,7 +92,8 @@ void move( NodeState& nodes, float h )
 
 TEST_P( LevelMatcher, AgreesWithItsSlowTwin )
 {
-	// Damping leaves a net turn, which the fast one takes off and the twin does not: with it they agree less closely.
+	// Damping leaves a net rotation, which the kernels remove and the reference implementation does not: with damping they agree less
+	// closely.
 	for ( const float damping : { 0.0f, 5.0f } )
 	{
 		LatticeMatcher fast( lattice, material, tables );
@@ -215,7 +217,7 @@ TEST_P( LevelMatcher, KeepsMomentumAndSpinWithConservingWeights )
 	{
 		GTEST_SKIP() << "literal weights leak: algorithmic fact of the papers";
 	}
-	// In the slow twin nothing is corrected afterwards: what is kept is kept by the weights.
+	// The reference implementation has no corrections afterwards: momentum is kept by the weights.
 	ReferenceLevelMatcher slow( *base, lattice, cut, material, settings );
 	NodeState nodes = shaken();
 	slow.reset( nodes, Eigen::Quaterniond::Identity() );

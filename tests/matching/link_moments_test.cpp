@@ -1,4 +1,4 @@
-// Regions that the surface cuts short, with the moments of their links.
+// Regions truncated by the surface, with the moments of their links.
 
 #include "matching/regions/link_moments.h"
 #include "support/explicit_material.h"
@@ -22,7 +22,7 @@ Material implicit( int halfWidth )
 	return material;
 }
 
-/// The cells of a block that `holds` keeps, linked as they were.
+/// The cells of a block for which `holds` is true, with their links.
 Lattice cellsOf( const Lattice& block, bool ( *holds )( Eigen::Vector3i ) )
 {
 	Lattice lattice = block;
@@ -99,7 +99,7 @@ TEST( LinkMoments, LeaveWholeRegionsAndExplicitBodiesAsTheyAre )
 	EXPECT_TRUE( buildRegionTables( lattice, material, Summation::Automatic )->blend[0].empty() );
 }
 
-// What the step's operator takes regions to resist with must not be less than what they do: else a stiff step would overshoot.
+// The operator must not assume less resistance of a region than matching has, or a stiff step would overshoot.
 TEST( LinkMoments, TheOperatorBoundsWhatTheyPullWith )
 {
 	const Lattice lattice = makeBlockLattice( 2, 5, 6, 0.1f );
@@ -112,7 +112,7 @@ TEST( LinkMoments, TheOperatorBoundsWhatTheyPullWith )
 	const std::size_t padded = std::size_t( nodes.padded );
 	for ( int trial = 0; trial < 40; ++trial )
 	{
-		// A small displacement: what matching makes of it is the force, what the operator makes of it as a speed its bound.
+		// For a small displacement: matching gives the force, and the operator, applied to it as a velocity, its bound.
 		AlignedArray<float> v( 3 * padded, 0.0f ), resisted( 3 * padded, 0.0f );
 		NodeState moved = test::restNodes( lattice );
 		const Eigen::Matrix3f strain = Eigen::Matrix3f::NullaryExpr( [&] { return random.uniform( -1, 1 ); } );

@@ -1,4 +1,4 @@
-// Materials are checked on the way in, and stiffness is pascals whatever the step.
+// Materials are checked when they are passed, and stiffness is in pascals for any step.
 
 #include "pliant/material.h"
 

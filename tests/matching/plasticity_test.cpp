@@ -1,5 +1,5 @@
-// Rest shapes that flow: against the slow twin, over instruction sets and threads, momentum, the limit, and that without it nothing is
-// paid.
+// Plastic flow: compared with the reference implementation, on all instruction sets and numbers of threads; momentum, the limit, and no
+// cost without it.
 
 #include "matching/reference/reference_matcher.h"
 #include "matching/rotation.h"
@@ -18,7 +18,7 @@ namespace {
 
 constexpr float kFlowStep = 0.01f;
 
-/// Pulled along x, pressed along y, sheared, shaken by a hundredth of a cell.
+/// Pulled along x, pressed along y, sheared, displaced at random by a hundredth of a cell.
 NodeState pulled( const Lattice& lattice, float pull )
 {
 	NodeState nodes = test::restNodes( lattice );
@@ -85,7 +85,7 @@ TEST_P( Plasticity, AgreesWithTheSlowTwin )
 		move( b );
 	}
 	ASSERT_TRUE( fast.plasticFlow() );
-	// A region that stands at the yield strain may flow one substep longer in one of the two: by h creep times the yield strain.
+	// A region at the yield strain may flow one substep longer in one of the two: by h creep times the yield strain.
 	const double oneFlow = kFlowStep * 60.0 * 0.05;
 	double worst = 0.0, most = 0.0, sum = 0.0;
 	for ( int r = 0; r < a.count; ++r )
@@ -159,9 +159,8 @@ Eigen::Matrix3d randomMatrix( test::Seeded& random, float size )
 	return m.cast<double>();
 }
 
-// A modeller's clay cube with a plastic limit of 2 was dropped by a hand's breadth and never came to rest: it flew apart with two hundred
-// times the energy of the fall. Where a region's moments differ, bringing its rest shape back to its volume and to its limit can strain it
-// more than before.
+// A clay cube with a plastic limit of 2 that fell by a hand's breadth never came to rest: it flew apart with two hundred times the energy
+// of the fall. Where a region's moments differ, the projection of its rest shape to volume 1 and to its limit can increase the strain.
 TEST( PlasticFlow, NeverRaisesTheElasticEnergy )
 {
 	test::Seeded random( 5 );
@@ -194,7 +193,7 @@ TEST( PlasticFlow, NeverRaisesTheElasticEnergy )
 
 TEST( PlasticFlow, KeepsMomentumAndSpin )
 {
-	// In the slow twin nothing is corrected afterwards: what is kept is kept by the law.
+	// The reference implementation has no corrections afterwards: momentum is kept by the flow law.
 	const Lattice lattice = makeBlockLattice( 7, 5, 4, 0.1f );
 	ReferenceMatcher slow( lattice, flowing( 0.05f ) );
 	NodeState nodes = pulled( lattice, 0.4f );
@@ -211,7 +210,7 @@ TEST( PlasticFlow, KeepsMomentumAndSpin )
 	const Eigen::Matrix<double, 6, 1> before = sums();
 	double scale = 0.0;
 	MatchStep step = stepWith( PlasticLaw{ 0.05f, 60.0f, 0.5f } );
-	step.damping = 0.0f; // its net turn is taken off by the fast road only
+	step.damping = 0.0f; // only the kernels remove its net rotation
 	for ( int k = 0; k < 40; ++k )
 	{
 		slow.accelerate( nodes, step, nullptr );
@@ -236,7 +235,7 @@ TEST( PlasticFlow, StopsAtItsLimitAndKeepsVolume )
 	double largest = 0.0;
 	for ( int k = 0; k < 60; ++k )
 	{
-		matcher.accelerate( nodes, stepWith( PlasticLaw{ 0.02f, 50.0f, limit } ), nullptr ); // nodes are held where they are
+		matcher.accelerate( nodes, stepWith( PlasticLaw{ 0.02f, 50.0f, limit } ), nullptr ); // nodes keep their positions
 	}
 	for ( int r = 0; r < nodes.count; ++r )
 	{

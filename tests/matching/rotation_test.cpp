@@ -14,7 +14,7 @@ namespace {
 using Matrix = Eigen::Matrix3d;
 using Quaternion = Eigen::Quaterniond;
 
-/// The best value of tr( R^T a ) over rotations, by singular values: the slow twin.
+/// The largest value of tr( R^T a ) over rotations, by singular values: the reference implementation.
 double bestAlignment( const Matrix& a )
 {
 	const Eigen::JacobiSVD<Matrix> svd( a, Eigen::ComputeFullU | Eigen::ComputeFullV );
@@ -72,7 +72,7 @@ TEST( Rotation, KeepsThePreviousOneWhereTheMatrixSaysNothing )
 	const Quaternion previous( Eigen::AngleAxisd( 0.7, Vec3d( 1, 2, 3 ).normalized() ) );
 	EXPECT_LT( fitRotation( Matrix( Matrix::Zero() ), previous ).angularDistance( previous ), 1e-12 );
 
-	// A line fixes its own direction and leaves the twist about it: the twist is kept.
+	// A line determines its own direction but not the rotation about it: that rotation is kept.
 	const Matrix line = Vec3d::UnitX() * Vec3d::UnitX().transpose();
 	const Quaternion twist( Eigen::AngleAxisd( 1.1, Vec3d::UnitX() ) );
 	EXPECT_LT( fitRotation( line, twist ).angularDistance( twist ), 1e-6 );

@@ -1,4 +1,4 @@
-// The implicit step's operator against its definition, and the laws that make it one.
+// The implicit step's operator compared with its definition, and its properties.
 
 #include "matching/implicit/strain_rates.h"
 #include "support/explicit_material.h"
@@ -16,7 +16,7 @@
 namespace pliant {
 namespace {
 
-/// A block turned, moved, bent and shaken.
+/// A block rotated, moved, bent and displaced at random.
 NodeState strained( const Lattice& lattice )
 {
 	NodeState nodes = test::restNodes( lattice );
@@ -31,7 +31,7 @@ NodeState strained( const Lattice& lattice )
 	return nodes;
 }
 
-/// A block whose upper half is slit: regions that are no full cubes.
+/// A block whose upper half is slit: regions that are not full cubes.
 Lattice slitLattice()
 {
 	Lattice lattice = makeBlockLattice( 6, 5, 4, 0.1f );
@@ -61,7 +61,7 @@ struct Case
 	std::vector<float> stiffness = {};
 };
 
-/// A line of cells: what its regions do about their own axis is open, and held back.
+/// A line of cells: the rotation of its regions about their own axis is undetermined, and suppressed.
 bool isLine( const Case& c )
 {
 	return c.lattice.cellCount() == 5;
@@ -85,7 +85,7 @@ std::vector<Case> cases()
 	return all;
 }
 
-/// A line of cells thrown into a bow, its ends off the straight line by so many cells, askew to all axes.
+/// A line of cells bent into an arc, its ends off the straight line by so many cells, oblique to all axes.
 NodeState bowed( const Lattice& lattice, double bow )
 {
 	NodeState nodes = test::restNodes( lattice );
@@ -223,7 +223,7 @@ TEST( StrainRates, AgreeWithTheirDefinition )
 		{
 			error += ( got[k] - wanted[k] ) * ( got[k] - wanted[k] );
 		}
-		// A line of cells: what it does about its own axis is open.
+		// A line of cells: its rotation about its own axis is undetermined.
 		EXPECT_LT( std::sqrt( error ) / scale, isLine( c ) ? 0.1 : 2e-5 ) << c.lattice.cellCount() << " w " << c.halfWidth;
 	}
 }
@@ -250,7 +250,7 @@ TEST( StrainRates, KnowWhoHasThinRegions )
 	for ( const Case& c : cases() )
 	{
 		EXPECT_EQ( Operator( c ).rates.hasThinRegions(), isLine( c ) )
-			<< c.lattice.cellCount() << " w " << c.halfWidth; // others pay nothing for it
+			<< c.lattice.cellCount() << " w " << c.halfWidth; // other bodies have no cost
 	}
 }
 
@@ -307,15 +307,15 @@ Eigen::MatrixXd matrixOf( Operator& resist, float stiffness )
 	return matrix;
 }
 
-// A rod of ten cells, bent by a hundredth of one, was shot at a box and flew apart: of what its regions' inertias are about their own axes
-// floats say nothing, where they are taken for too little A is not positive definite, and where they are raised without care it is not
+// A rod of ten cells, bent by a hundredth of a cell, was shot at a box and flew apart. Floats do not resolve the inertias of its regions
+// about their own axes. If these inertias are too small A is not positive definite, and if they are raised without the projection it is not
 // symmetric.
 TEST( StrainRates, OfRodsArePositiveHoweverLittleTheyAreBent )
 {
 	for ( const int cells : { 4, 10, 40, 300 } )
 	{
 		const Case c{ makeBlockLattice( cells, 1, 1, 0.1f ), 1, Summation::Automatic };
-		// The longest one: places far from the frame's centre are rounded most, and what is straight says so best.
+		// The longest one: positions far from the frame's centre have the largest rounding errors, which a straight rod shows best.
 		for ( const double bow :
 			cells == 300 ? std::vector<double>{ 0.0 } : std::vector<double>{ 0.0, 1e-4, 1e-3, 1e-2, 0.05, 0.2, 1.0, 3.0 } )
 		{
@@ -325,7 +325,7 @@ TEST( StrainRates, OfRodsArePositiveHoweverLittleTheyAreBent )
 				const Eigen::MatrixXd a = matrixOf( resist, stiffness );
 				const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes( 0.5 * ( a + a.transpose() ), Eigen::EigenvaluesOnly );
 				EXPECT_GT( modes.eigenvalues()[0], 0.9 )
-					<< cells << " cells, bow " << bow << ", G " << stiffness; // 1, the masses, but for rounding
+					<< cells << " cells, bow " << bow << ", G " << stiffness; // 1, from the masses, except for rounding
 				EXPECT_LT( ( a - a.transpose() ).cwiseAbs().maxCoeff(), 5e-5 * double( stiffness ) ) << cells << " cells, bow " << bow;
 			}
 		}
@@ -354,7 +354,7 @@ TEST( StrainRates, GiveTheSameBitsOnEveryInstructionSetAndAnyThreadCount )
 	EXPECT_EQ( resist( v, 7.0f, threads.get() ), wanted );
 }
 
-// Lattices that fill their grid are summed a row a component, and not by records.
+// Lattices that fill their grid are summed row by row for each component, without records.
 TEST( StrainRates, SumFlatRowsToTheBitsOfRecords )
 {
 	std::vector<Case> boxes;
@@ -377,7 +377,7 @@ TEST( StrainRates, SumFlatRowsToTheBitsOfRecords )
 	}
 }
 
-/// The mean of the operator's three diagonal entries of node i, without its mass, at a stiffness of one.
+/// The mean of the operator's three diagonal entries of node i, without its mass, at a stiffness of 1.
 double diagonalOf( Operator& resist, int i )
 {
 	const std::size_t padded = std::size_t( resist.nodes.padded );
@@ -391,8 +391,8 @@ double diagonalOf( Operator& resist, int i )
 	return sum / 3.0 - 1.0;
 }
 
-// At rest it is exact, however few nodes a region has and however thin it is: what stands in front of the system is made of it. Taken for a
-// node's share of the mass and as much again, as it once was, it was wrong by up to .017, of some .5.
+// At rest it is exact, however few nodes a region has and however thin it is; the preconditioner is made from it. An earlier estimate,
+// twice a node's fraction of the mass, was off by up to .017, of some .5.
 TEST( StrainRates, NameTheirDiagonal )
 {
 	for ( const Case& c : cases() )

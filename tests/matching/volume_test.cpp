@@ -1,4 +1,4 @@
-// Kept volume: Poisson's ratio, what an impact leaves of the volume, and that a body without it pays nothing.
+// Volume conservation: Poisson's ratio, the volume after an impact, and no cost for bodies without it.
 
 #include "matching/reference/reference_matcher.h"
 #include "matching/step/lattice_matcher.h"
@@ -182,7 +182,8 @@ TEST( Volume, OfABlockThatHitsTheGroundIsKeptThreeTimesAsWell )
 	EXPECT_LT( kept, plain / 3.0 );
 }
 
-/// Motion of a block that has been shaken and is then left alone, undamped, J: at first and at most over so many seconds of 1/240 s each.
+/// Kinetic energy of a block that is shaken and then left alone, undamped, J: initial value, and maximum over so many seconds of 1/240 s
+/// steps.
 struct Shaken
 {
 	double first = 0.0, most = 0.0;
@@ -208,8 +209,8 @@ Shaken shake( const Material& material, float speed, float seconds )
 	return shaken;
 }
 
-// A ringing jelly with its volume kept rang louder and louder until it tore itself apart: regions at its faces, whose moments differ
-// between across and along, answered a squeeze along with more than the same squeeze across was answered with along.
+// A vibrating body with volume conservation vibrated more and more until it tore itself apart: the response of regions at its faces, whose
+// moments differ between the normal and the tangential directions, was not symmetric.
 TEST( Volume, KeptBringsNoEnergyIn )
 {
 	for ( const float kappa : { 0.5f, 2.0f } )
@@ -223,8 +224,8 @@ TEST( Volume, KeptBringsNoEnergyIn )
 	}
 }
 
-// Damping at its largest threw a body that was pressed: a region's rotation answers a turn twice where the region is pressed to half its
-// size, and kept volume answers a squeeze 1 + 3 kappa times.
+// The largest damping accelerated a compressed body: the rotation of a region compressed to half its size changes twice as fast as its
+// material rotates, and volume conservation multiplies the response to compression by 1 + 3 kappa.
 TEST( Volume, KeptOrNotTheLargestDampingOnlyDamps )
 {
 	for ( const float kappa : { 0.0f, 2.0f } )

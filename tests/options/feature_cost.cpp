@@ -1,5 +1,5 @@
-// What a feature costs, for a counter of instructions: feature_cost lists its cases by number, feature_cost NUMBER STEPS runs one. Only
-// what countedSteps does is to be counted (callgrind: --toggle-collect=countedSteps).
+// The cost of a feature, for a counter of instructions: feature_cost lists its cases by number, feature_cost NUMBER STEPS runs one. Only
+// the instructions in countedSteps are to be counted (callgrind: --toggle-collect=countedSteps).
 
 #include "demos/study/feature_cases.h"
 

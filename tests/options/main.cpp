@@ -1,5 +1,5 @@
-// Run against a library that was built without some of its features: what is left works, and what is left out is refused by a sentence.
-// Arguments: the features that are to be missing.
+// Runs with a library that was built without some of its features: the other features work, and missing ones are refused with a sentence.
+// Arguments: the missing features.
 
 #include <pliant/build.h>
 #include <pliant/soft_body_world.h>
@@ -24,7 +24,7 @@ public:
 		}
 	}
 
-	/// Refused with the feature's name where it is missing, taken where it is there.
+	/// Refused with the feature's name if it is missing, accepted otherwise.
 	void expectAnswer( pliant::Feature feature, const pliant::Status& status )
 	{
 		const bool isRight = pliant::hasFeature( feature )
@@ -78,7 +78,7 @@ struct Scene
 
 using Template = std::shared_ptr<const pliant::BodyTemplate>;
 
-/// Drops it, with all there is of what works at run time.
+/// Drops a body with all features that are available.
 void fall( Checks& checks, const Template& shape, const pliant::Material& material, const pliant::Adaptivity& levels )
 {
 	Scene scene;

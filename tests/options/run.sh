@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Builds the library without features (PLIANT_WITH_...=OFF) and runs a small program against it: what is left works, what is left out is
-# refused by a sentence.
+# Builds the library without features (PLIANT_WITH_...=OFF) and runs a small program against it: the other features work, and missing ones are
+# refused with a sentence.
 #
 # Usage: tests/options/run.sh folder [FEATURE ... | each]      e.g. tests/options/run.sh build/options LEVELS FRACTURE
 #
 #   no feature      without all of them
 #   each            without each of them in turn, and then without all
 #
-# Environment: JOBS, OPTIMISE (default -O0: what is asked is whether it builds and refuses, not how fast it is).
+# Environment: JOBS, OPTIMISE (default -O0: the test is whether it builds and refuses, not its speed).
 set -euo pipefail
 
 here=$( cd "$( dirname "${BASH_SOURCE[0]}" )" && pwd )

@@ -22,7 +22,7 @@ Specimen bar()
 	return makeSpecimen( std::move( mesh ), 1.0 );
 }
 
-/// The short menu in one scene, everything against one reference.
+/// The short list of candidates in one scene, all compared with one reference.
 std::vector<Summary> shortStudy( const Specimen& specimen, const char* scene, const std::vector<std::string>& only )
 {
 	CandidatePlan plan;
@@ -71,7 +71,7 @@ TEST( StudyBounds, HangingBar )
 	EXPECT_LT( uniform, 0.006 );
 	EXPECT_LT( levels, 0.008 );
 	EXPECT_LT( named( all, "ours, implicit, 216 cells, one step" ).errors.mean, 0.006 );
-	// The papers' methods at the same cells and levels: stiffer, and what they lose in momentum shows.
+	// The papers' methods at the same cells and levels: stiffer, and their loss of momentum is visible.
 	EXPECT_GT( named( all, "Steinemann, 216 cells, 2 levels" ).errors.mean, 1.5 * levels );
 	EXPECT_GT( named( all, "Ohta, literal, 216 cells, 2 levels" ).errors.mean, 1.2 * levels );
 	EXPECT_GT( named( all, "Müller linear, 54 cells" ).errors.mean, 1.5 * uniform );

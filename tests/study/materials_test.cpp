@@ -1,4 +1,4 @@
-// Testing pieces against theory, the short version: what has to be within its bounds is, and the rest is as good as it was.
+// The short material benchmarks: rows that have to be within their bounds are, and the others are as accurate as before.
 
 #include "demos/study/materials.h"
 
@@ -30,7 +30,7 @@ std::vector<MaterialTest> withinBounds()
 	for ( const MaterialTest& test : materialTests() )
 	{
 		const std::string id = test.id;
-		if ( id != "M8" && id != "M9" && id != "M10" && id != "M12" ) // out of reach, and said so: below
+		if ( id != "M8" && id != "M9" && id != "M10" && id != "M12" ) // rows out of reach: below
 		{
 			tests.push_back( test );
 		}
@@ -53,7 +53,7 @@ TEST( MaterialsOutOfReach, AreNoWorseThanTheyWere )
 	}
 	for ( const MaterialRow& row : measureStretch( true ) )
 	{
-		EXPECT_LT( std::abs( row.error() ), 0.32 ) << row.what; // the law of kept volume is linear
+		EXPECT_LT( std::abs( row.error() ), 0.32 ) << row.what; // volume conservation is linear
 	}
 }
 

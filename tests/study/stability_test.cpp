@@ -1,4 +1,4 @@
-// Cells of the stability matrix that are green and have to stay so, and that red is seen where it is.
+// Cells of the stability matrix that have to stay green, and red results that have to be recognised.
 
 #include "demos/study/stability.h"
 
@@ -46,7 +46,7 @@ TEST( Verdicts, SayThatStiffnessIsOutOfReach )
 	EXPECT_EQ( verdict.reason, "stiffness out of reach" );
 }
 
-/// Bullet's own soft bodies let a box of a hundred times their mass press them through the floor, and it is seen.
+/// A box of a hundred times their mass presses Bullet's own soft bodies through the floor, which has to be recognised.
 TEST( Verdicts, SeeWhatGoesThroughTheFloor )
 {
 	const Verdict verdict = verdictOf( "load 1:100", "Bullet pose", 120 );

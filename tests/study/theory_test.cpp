@@ -1,4 +1,4 @@
-// The study's own solvers against what is known.
+// The study's own solvers compared with known values.
 
 #include "demos/study/theory.h"
 

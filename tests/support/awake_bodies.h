@@ -1,6 +1,6 @@
 #pragma once
 
-// Scenes in which bodies are to fall asleep, explicit and implicit.
+// Scenes in which bodies have to fall asleep, explicit and implicit.
 
 #include "pliant/soft_body_world.h"
 #include "support/explicit_material.h"

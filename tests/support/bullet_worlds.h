@@ -1,6 +1,6 @@
 #pragma once
 
-// Bullet's worlds that soft bodies may sit in, each with the parts that it is made from.
+// Bullet's worlds that can hold soft bodies, each with its components.
 
 #include <pliant/soft_body_world_over.h>
 
@@ -19,7 +19,7 @@
 
 namespace pliant::test {
 
-/// A game's own subclass: counts what Bullet calls.
+/// A game's own subclass: counts the calls of its virtual functions.
 class CountingWorld : public btDiscreteDynamicsWorld
 {
 public:
@@ -61,7 +61,7 @@ struct SolverPool : btConstraintSolverPoolMt
 	}
 };
 
-/// What `Base` is made from.
+/// The components from which `Base` is constructed.
 template <class Base>
 struct PartsOf : PartsWith<btDefaultCollisionConfiguration, btSequentialImpulseConstraintSolver>
 {};

@@ -1,6 +1,6 @@
 #pragma once
 
-// The material of tests that are about the explicit step, whatever the default step and stiffness are.
+// The material of tests of the explicit step, independent of the default step and stiffness.
 
 #include <pliant/material.h>
 

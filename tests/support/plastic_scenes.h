@@ -99,8 +99,8 @@ inline PlasticEnergy run( const PlasticScene& scene, int seconds )
 	return energy;
 }
 
-/// Returns the bound of the kinetic energy of a body without damping, as a ratio to the energy it was given. Where that is all of its
-/// energy at half steps, the ratio is 1 / ( 1 - alpha / 4 ) in the explicit step. The implicit one with numericalDamping 1 loses energy.
+/// Returns the bound of the kinetic energy of a body without damping, as a ratio to its initial energy. Where the energy at half steps is
+/// all kinetic, the ratio is 1 / ( 1 - alpha / 4 ) in the explicit step. The implicit one with numericalDamping 1 loses energy.
 inline double mostFraction( const PlasticScene& scene )
 {
 	return scene.material.elasticity == Elasticity::Explicit && !scene.isDropped ? 4.0 / 3.0 : 1.001;

@@ -1,7 +1,7 @@
 #pragma once
 
-// A renderer's buffers for a body that is skinned on the GPU, and the shader in plain code. Buffers follow the published arrays as a
-// renderer does: what a change lists, and nothing else.
+// A renderer's buffers for a body that is skinned on the GPU, and the shader in C++. The buffers are updated as by a renderer: only the
+// listed changes are copied.
 
 #include "pliant/render/gpu_surface.h"
 
@@ -107,7 +107,7 @@ public:
 			normals[v] = normalOf( v );
 		}
 	}
-	/// Change of a vertex's normal, rad, where its triangles' corners are off by `error`, m: large where these are slivers.
+	/// Change of a vertex's normal, rad, if the corners of its triangles are off by `error`, m: large for slivers.
 	float normalErrorAt( std::uint32_t v, float error ) const
 	{
 		float sum = 0.0f;
@@ -120,7 +120,7 @@ public:
 		const float area = lengthOf( areaOf( v ) );
 		return area > 0.0f ? sum / area : 4.0f;
 	}
-	/// Twice the area of the triangles that a vertex's normal is the mean of, as a vector.
+	/// Twice the area of the triangles whose mean is a vertex's normal, as a vector.
 	Float3 areaOf( std::uint32_t v ) const
 	{
 		Float3 sum = { 0, 0, 0 };

@@ -16,7 +16,7 @@
 
 namespace pliant::test {
 
-/// A rigid scene in any world. Everything it holds dies after the world has let it go.
+/// A rigid scene in any world. Everything it holds is destroyed after the world has released it.
 struct Scene
 {
 	explicit Scene( btDiscreteDynamicsWorld& w ) : world( w ) { world.setGravity( btVector3( 0, btScalar( -9.81 ), 0 ) ); }

@@ -233,7 +233,7 @@ private:
 		return adaptivity;
 	}
 
-	/// Sets the height of the wall's face at a position in its own coordinates; returns false beside it.
+	/// Sets the height of the wall's face at a position in its own coordinates; returns false outside of it.
 	static bool faceAt( const btCollisionShape& shape, const btVector3& at, btScalar& height )
 	{
 		if ( !shape.isConcave() || shape.getShapeType() == STATIC_PLANE_PROXYTYPE )

@@ -1,6 +1,6 @@
 #pragma once
 
-// Small things thrown at soft blocks that are met as drawn: which of them have sunk in a second later.
+// Small objects thrown at soft blocks with contact surfaces: those that have sunk in a second later.
 
 #include "lattice/test_meshes.h"
 #include "support/explicit_material.h"
@@ -26,13 +26,13 @@ enum class Struck : int
 struct ThrownThings
 {
 	int thrown = 0;
-	int sunk = 0; ///< whose centre is below the drawn surface
-	int lost = 0; ///< and by more than a tenth of a cell, to which that surface is met
+	int sunk = 0; ///< number of objects whose centre is below the drawn surface
+	int lost = 0; ///< number of those that are more than a tenth of a cell below it
 	int sick = 0;
-	double deepest = 0.0; ///< of a centre below the drawn surface, in sizes of the thing
+	double deepest = 0.0; ///< largest depth of a centre below the drawn surface, in sizes of the object
 };
 
-/// One soft block with things that come down on it; each is of .1 to 2 cells and falls at 0 to 20 m/s.
+/// One soft block with objects that fall on it; each has a size of .1 to 2 cells and falls at 0 to 20 m/s.
 class ThingsOnABlock
 {
 public:
@@ -62,7 +62,7 @@ public:
 		run( 20 );
 	}
 
-	/// Throws eight (nine places, one of which is the load's), waits for a second, and looks where they are.
+	/// Throws eight objects (at nine positions, one of which is the load's), waits for a second, and examines their positions.
 	void throwThings( ThrownThings& tally )
 	{
 		struct Thing
@@ -78,7 +78,7 @@ public:
 						   z = btScalar( ( k / 3 - 1 ) * 0.36 + real( -0.06, 0.06 ) );
 			if ( k == 4 )
 			{
-				continue; // the load's place
+				continue; // the position of the load
 			}
 			btRigidBody* const body = m_world.add( btScalar( 1000.0 * size * size * size ),
 				shapeOf( int( m_random() % 4 ), btScalar( size ) ), btVector3( x, btScalar( 0.75 ), z ) );
@@ -144,7 +144,7 @@ private:
 	std::unique_ptr<SoftBody> m_soft;
 };
 
-/// Throws `count` things or a few more.
+/// Throws `count` objects or a few more.
 inline ThrownThings throwThings( Struck kind, Elasticity elasticity, int count, unsigned seed )
 {
 	ThrownThings tally;

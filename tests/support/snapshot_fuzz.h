@@ -1,7 +1,7 @@
 #pragma once
 
-// Damaged snapshots: random bytes, lengths and numbers, with the checksum made right again or not. A load must refuse them and change
-// nothing, or give something that can be stepped.
+// Damaged snapshots: random bytes, lengths and numbers, with a corrected checksum or without. A load must refuse them and change nothing,
+// or produce a world that can be stepped.
 
 #include "support/random_impacts.h"
 #include "support/snapshots.h"
@@ -40,7 +40,7 @@ inline void buildSmallWorld( TestWorld& world )
 	world.run( 6 );
 }
 
-/// A character's ghost among the bodies, which has looked for contacts in its own pairs.
+/// A character's ghost among the bodies, with contacts in its own pairs.
 struct GhostAmongBodies
 {
 	btGhostPairCallback callback;
@@ -79,7 +79,7 @@ public:
 
 	int accepted = 0, refused = 0;
 
-	/// Damages one snapshot, loads it, and checks what has become of the world.
+	/// Damages one snapshot, loads it, and checks the world.
 	void once()
 	{
 		switch ( number( 6 ) )
@@ -176,7 +176,7 @@ private:
 	}
 
 	Random m_random;
-	GhostAmongBodies m_ghost; // longer than the world
+	GhostAmongBodies m_ghost; // outlives the world
 	TestWorld m_world;
 	Bytes m_whole, m_state, m_then, m_body, m_template;
 };

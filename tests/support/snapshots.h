@@ -24,7 +24,7 @@ inline Bytes savedWorld( const SoftBodyHost& world, bool withTemplates = false )
 	return bytes;
 }
 
-/// What two worlds in equal states have in common.
+/// The data that two worlds in equal states have in common.
 inline Bytes stateOf( const SoftBodyHost& world )
 {
 	Bytes bytes;
@@ -36,7 +36,7 @@ inline Bytes stateOf( const SoftBodyHost& world )
 	return bytes;
 }
 
-/// The same snapshot as another process would have written it: nothing in it is taken on trust.
+/// The same snapshot as if another process had written it: all of it is validated.
 inline Bytes foreign( Bytes bytes )
 {
 	constexpr std::size_t kOrigin = 32; // Header::origin in snapshot_format.cpp

@@ -1,7 +1,7 @@
 #pragma once
 
-// Rays and swept balls against a soft body, compared with every triangle that is drawn of it. The reference knows triangles and distances
-// alone: rays by Cramer's rule, balls by steps of the distance that is left.
+// Rays and swept balls against a soft body, compared with a test of every drawn triangle. The reference uses triangles and distances only:
+// Cramer's rule for rays, steps of the remaining distance for balls.
 
 #include <pliant/soft_body_world.h>
 
@@ -18,13 +18,14 @@ namespace pliant::test {
 struct QueryTally
 {
 	int asked = 0, hits = 0;
-	int different = 0;          ///< one of the two meets something and the other does not
+	int different = 0;          ///< number of cases in which only one of the two hits
 	double worstDistance = 0.0; ///< between the two points of impact along the path, m
 	double worstAngle = 0.0;    ///< of the normal from that of the drawn surface, degrees
-	int wrongNodes = 0;         ///< reported that are farther from the point than the nearest colliding one, by more than half a cell
+	int wrongNodes =
+		0; ///< number of reported nodes that are farther from the point than the nearest colliding one, by more than half a cell
 };
 
-/// The triangles drawn of a body, in the world.
+/// The drawn triangles of a body, in world coordinates.
 class DrawnTriangles
 {
 public:
@@ -47,8 +48,8 @@ public:
 		visitMet( from, to, [&first]( double fraction, const btVector3& ) { first = std::min( first, fraction ); } );
 		return first;
 	}
-	/// Degrees between a normal and that of the surface where a ray meets it, at an edge of whichever side is nearer: the face's
-	/// or, where its corners' normals are near it, the one interpolated between them.
+	/// Degrees between a normal and that of the surface at the hit of a ray, at an edge that of the nearer side: the face's normal or,
+	/// where the normals of its corners are close to it, the interpolated one.
 	double angle( const btVector3& from, const btVector3& to, double met, const btVector3& shown ) const
 	{
 		double least = 180.0;
@@ -75,7 +76,7 @@ public:
 		}
 		return 2.0;
 	}
-	/// By the angle that the triangles fill, seen from a point: 4 pi from inside of a closed surface.
+	/// By the solid angle that the triangles fill, seen from a point: 4 pi from inside of a closed surface.
 	bool contains( const btVector3& point ) const
 	{
 		double sum = 0.0;
@@ -178,7 +179,7 @@ struct NodeRay : btCollisionWorld::ClosestRayResultCallback
 		child = hit.m_localShapeInfo ? hit.m_localShapeInfo->m_triangleIndex : -1;
 		return ClosestRayResultCallback::addSingleResult( hit, inWorld );
 	}
-	const SoftBody* body; ///< all else is passed by
+	const SoftBody* body; ///< other objects are ignored
 	int child = -1;
 };
 
@@ -191,7 +192,7 @@ struct NodeSweep : btCollisionWorld::ClosestConvexResultCallback
 		child = hit.m_localShapeInfo ? hit.m_localShapeInfo->m_triangleIndex : -1;
 		return ClosestConvexResultCallback::addSingleResult( hit, inWorld );
 	}
-	const SoftBody* body; ///< all else is passed by
+	const SoftBody* body; ///< other objects are ignored
 	int child = -1;
 };
 
@@ -208,7 +209,7 @@ public:
 	{
 		const btVector3 at( within( 0 ), within( 1 ), within( 2 ) );
 		btVector3 direction( real( -1, 1 ), real( -1, 1 ), real( -1, 1 ) );
-		if ( m_random() % 3 == 0 ) // along an axis: where spheres stand in rows
+		if ( m_random() % 3 == 0 ) // along an axis: where spheres form rows
 		{
 			const int axis = int( m_random() % 3 );
 			direction.setValue( 0, 0, 0 );
@@ -228,7 +229,7 @@ private:
 	btScalar m_size;
 };
 
-/// By how much farther than the nearest colliding node the reported one is, m; infinity for none.
+/// How much farther the reported node is than the nearest colliding one, m; infinity for none.
 inline double nodeError( const SoftBody& body, int child, const btVector3& point )
 {
 	const int node = body.nodeOfShapeIndex( child );
@@ -246,7 +247,7 @@ inline double nodeError( const SoftBody& body, int child, const btVector3& point
 	return double( body.nodePosition( node ).distance( point ) - ( body.nodeLevel( node ) > 0 ? body.nodeRadius( node ) : 0 ) ) - least;
 }
 
-/// Casts rays from all sides. Asks before the surface is drawn: it needs no one to draw it.
+/// Casts rays from all sides. Queries before the surface is drawn, which must not be necessary.
 inline QueryTally castRays( const btCollisionWorld& world, const SoftBody& body, int count, unsigned seed )
 {
 	RandomPaths paths( body, seed );
@@ -295,7 +296,7 @@ inline QueryTally sweepBalls( const btCollisionWorld& world, const SoftBody& bod
 		NodeSweep sweep( from, to, body );
 		world.convexSweepTest(
 			&ball, btTransform( btQuaternion::getIdentity(), from ), btTransform( btQuaternion::getIdentity(), to ), sweep );
-		// One that grazes the surface passes by a hair's breadth, or does not: a little larger it meets it earlier, a little smaller later.
+		// A ball that grazes the surface may pass or hit: a slightly larger one hits it earlier, a slightly smaller one later.
 		const double radius = double( ball.getRadius() ), hair = 1e-4 * radius + 2e-5, length = double( ( to - from ).length() );
 		const double earliest = drawn.ball( from, to, radius + hair ), latest = drawn.ball( from, to, radius - hair );
 		++tally.asked;

@@ -1,4 +1,4 @@
-// Cracks with no more points than their bends ask for: as closed as with all of them, and nowhere farther off than was said.
+// Cracks with removed points: closed as with all of them, and nowhere farther off than the tolerance.
 
 #include "surface/crack_pieces.h"
 
@@ -108,7 +108,7 @@ CrackCase caseOf( const Sample& sample, float tolerance, int subdivision, float 
 	return CrackCase( sample.make(), sample.cellSize, settings );
 }
 
-/// Cells that draw a point, and those next to them: a crumb may go to another neighbour where borders run otherwise.
+/// Cells that draw a point, and those next to them: a crumb may go to another neighbour where borders differ.
 std::set<std::uint32_t> cellsAround( const CellComplex& complex, std::uint32_t point )
 {
 	std::set<std::uint32_t> cells( complex.cellsOfPoint.begin( point ), complex.cellsOfPoint.end( point ) );
@@ -122,7 +122,7 @@ std::set<std::uint32_t> cellsAround( const CellComplex& complex, std::uint32_t p
 	return cells;
 }
 
-/// How far a point lies off what these cells draw, m.
+/// Distance of a point from the surface that these cells draw, m.
 double distanceToCells( const CrackCase& it, const std::set<std::uint32_t>& cells, const Vec3d& p )
 {
 	double nearest = 1e9;
@@ -151,14 +151,14 @@ TEST( BendTolerance, FewerPointsAreNowhereFartherOff )
 			{
 				worst = std::max( worst, distanceToCells( few, cellsAround( *all.complex, p ), all.at( p ) ) / sample.cellSize );
 			}
-			// A point within a face was asked how far across the triangle it lies under where space is bent; from near its rim it is a
-			// little farther.
+			// The tolerance applies to the distance measured normal to the triangle in bent space; near the rim the distance is a little
+			// larger.
 			EXPECT_LT( worst, 1.25 * double( kTolerance ) );
 		}
 	}
 }
 
-/// Closed whatever is left out, also where all that can be is.
+/// Closed with any points removed, also with all of those that can be.
 TEST( BendTolerance, EveryCellIsClosedAtAnyTolerance )
 {
 	for ( const Sample& sample : samples() )
@@ -190,7 +190,7 @@ TEST( BendTolerance, EveryCellIsClosedAtAnyTolerance )
 	}
 }
 
-/// Without noise nothing bends: each whole face is two triangles, however finely it might have been drawn.
+/// Without noise nothing bends: each whole face is two triangles, at any subdivision.
 TEST( BendTolerance, FlatFacesAreAsCoarseAsTheyCanBe )
 {
 	const Sample box = samples().front();
@@ -199,7 +199,7 @@ TEST( BendTolerance, FlatFacesAreAsCoarseAsTheyCanBe )
 	EXPECT_GT( all.complex->faceTriangle.size(), 8 * coarse.complex->faceTriangle.size() );
 }
 
-/// A block of the default noise: what is drawn when all of it breaks.
+/// A block with the default noise, drawn with all faces broken.
 TEST( BendTolerance, HalvesTheVerticesOfABlock )
 {
 	const Sample block{ "block", [] { return makeBox( { 0, 0, 0 }, { 1, 1, 1 } ); }, 1.0 / 6.0 };

@@ -1,4 +1,4 @@
-// Each vertex follows the material behind it, and nothing from across a gap.
+// Each vertex follows the material behind it, and none across a gap.
 
 #include "surface/skin_case.h"
 
@@ -97,7 +97,7 @@ TEST_P( Binding, TwoFingersInNeighbouringCellsDoNotDragEachOther )
 	SkinCase it( both, 0.1, GetParam() );
 	expectPartsApart( it, int( first.vertexCount() ), []( const Vec3& x ) { return x.x() < 0.3f; } );
 
-	// One is pulled away: the other one's skin stays to the bit.
+	// One part is pulled away: the skin of the other stays the same to the bit.
 	it.skinIt();
 	const std::vector<float> before = it.positions;
 	for ( int i = 0; i < it.nodes.count; ++i )
@@ -120,7 +120,7 @@ TEST_P( Binding, TwoPartsWithinOneLayerOfCellsAreToldApartByTheirSides )
 	// A thick plate and a thin one close above it; both cross the same layer of cells.
 	const test::Mesh thick = test::makeBox( { 0, 0, 0.00 }, { 1.0, 1.0, 0.16 }, 10 );
 	const test::Mesh both = test::joined( thick, test::makeBox( { 0, 0, 0.19 }, { 1.0, 1.0, 0.24 }, 10 ) );
-	for ( const bool isFlipped : { false, true } ) // inside out: the material's side is found all the same
+	for ( const bool isFlipped : { false, true } ) // inverted: the side of the material is found nevertheless
 	{
 		SkinCase it( isFlipped ? test::flipped( both ) : both, 0.12, GetParam() );
 		expectPartsApart( it, int( thick.vertexCount() ), []( const Vec3& x ) { return x.z() < 0.175f; } );
@@ -129,7 +129,7 @@ TEST_P( Binding, TwoPartsWithinOneLayerOfCellsAreToldApartByTheirSides )
 
 TEST( BindingAcrossACrack, ReachesOnlyWhatLinksJoin )
 {
-	// A U: two arms joined at the far end. Near the tips an arm's skin must not feel the other arm, though both are one part.
+	// A U: two arms joined at the far end. Near the tips an arm's skin must not follow the other arm, although both are one part.
 	test::Mesh mesh = test::joined(
 		test::makeBox( { 0, 0, 0 }, { 0.37, 0.4, 1.2 }, 8 ), test::makeBox( { 0.43, 0, 0 }, { 0.8, 0.4, 1.2 }, 8 ) );
 	const int arms = int( mesh.vertexCount() );
@@ -179,7 +179,7 @@ TEST( BindingOutOfReach, ManyOfThemCostLittle )
 	const SkinBinding binding = bindSkin( mesh.view(), built.value.lattice, built.value.weldedVertex, Skinning::NearbyNodes );
 	const double seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 	std::printf( "%d cells, %zu vertices out of reach: %.3f s\n", built.value.lattice.cellCount(), mesh.vertexCount(), seconds );
-	EXPECT_LT( seconds, 5.0 ); // a search through all cells for each would take minutes under a sanitizer
+	EXPECT_LT( seconds, 5.0 ); // a search through all cells for each vertex would take minutes under a sanitizer
 	EXPECT_EQ( binding.start.size(), mesh.vertexCount() + 1 );
 }
 

@@ -1,4 +1,4 @@
-// A body taken apart along its cells: every cell closed, nothing lost, nothing twice.
+// A body divided along its cells: every cell closed, nothing lost, nothing duplicated.
 
 #include "surface/crack_case.h"
 
@@ -115,7 +115,7 @@ TEST_P( Complex, VolumesOfTheCellsSumToTheMeshs )
 	EXPECT_GT( least, -1e-6 * sum );
 }
 
-/// Without noise a cell's volume is what the lattice, which counts samples, says its fill is.
+/// Without noise a cell's volume agrees with the fill, for which the lattice counts samples.
 TEST_P( Complex, CellsHoldWhatTheLatticeSaysTheyHold )
 {
 	const CrackCase it = make();
@@ -158,7 +158,7 @@ TEST_P( Complex, TheOuterSurfaceIsTheMesh )
 		total += whole;
 	}
 	EXPECT_LT( worst, 1e-5 * total );
-	// Added vertices lie where their origin says, and input vertices are themselves.
+	// Added vertices lie at the position given by their origin, and input vertices are unchanged.
 	for ( std::uint32_t v = 0; v < it.complex->vertexPoint.size(); ++v )
 	{
 		Vec3d place = Vec3d::Zero();

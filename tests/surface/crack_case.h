@@ -1,6 +1,6 @@
 #pragma once
 
-// A mesh, its lattice and its cell complex in one line, and sums over what cells draw.
+// A mesh, its lattice and its cell complex in one line, and sums over the drawing of cells.
 
 #include "surface/skin_case.h"
 
@@ -30,7 +30,7 @@ struct CrackCase : SkinCase
 
 using TrianglePoints = std::array<std::uint32_t, 3>;
 
-/// What a cell draws when all around it is broken: points of the complex.
+/// The drawing of a cell with everything around it broken: points of the complex.
 inline std::vector<TrianglePoints> trianglesOfCell( const CellComplex& complex, std::uint32_t cell )
 {
 	std::vector<TrianglePoints> out;
@@ -71,7 +71,7 @@ inline double meshVolume( const Mesh& mesh )
 	return sum;
 }
 
-/// Edges that are not used as often one way as the other.
+/// Edges that are not used equally often in both directions.
 template <class Triangles>
 int openEdges( const Triangles& triangles )
 {
@@ -91,7 +91,7 @@ int openEdges( const Triangles& triangles )
 	return open;
 }
 
-/// Edges that are not used exactly once each way: where a surface is no manifold.
+/// Edges that are not used exactly once in each direction: where a surface is no manifold.
 template <class Triangles>
 int oddEdges( const Triangles& triangles )
 {

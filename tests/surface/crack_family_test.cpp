@@ -1,4 +1,4 @@
-// What bodies take out of their family's cracks is what each would draw from its own links.
+// Bodies drawn from their family's cracks, compared with drawing each from its own links.
 
 #include "surface/torn_family.h"
 
@@ -96,7 +96,7 @@ TEST_P( Families, PlacesAreSeenFromTheBodysOwnCentre )
 	}
 }
 
-/// Crumbs hang on by faces without links, as long as linked ones lead round them.
+/// Crumbs stay attached by faces without links as long as linked faces connect them by another path.
 TEST_P( Families, FacesWithoutLinksGoWithThoseThatHeldThem )
 {
 	const CrackCase it( makeBumpySphere( 1.0, 0.3, 24, 36 ), 0.21, noisy( GetParam() ) );
@@ -143,15 +143,15 @@ TEST_P( Families, SeveralThreadsShowWhatOneDoes )
 	}
 }
 
-/// The inside of a large body is numbered beside its outer surface, and what is written is shared out: every array is what one thread
-/// makes.
+/// The inside of a large body is numbered in parallel with its outer surface, and the output is divided among threads: every array equals
+/// that of one thread.
 TEST_P( Families, ABodySharedOutIsWhatOneThreadMakes )
 {
 	const CrackCase it( makeSphere( 1.0, 24, 36 ), 0.16, noisy( GetParam() ) );
 	const std::unique_ptr<TaskRunner> runner = createThreadPool( 3 );
 	Torn one( it ), several( it );
 	std::size_t most = 0, placed = 0, spared = 0;
-	CrackView shared; // keeps what it was for as long as it can
+	CrackView shared; // keeps its previous contents as long as possible
 	for ( unsigned round = 1; round < 3; ++round )
 	{
 		one.tear( 0.12, 4, round );
@@ -191,7 +191,7 @@ TEST_P( Families, ABodySharedOutIsWhatOneThreadMakes )
 	EXPECT_GT( spared, 100u );
 }
 
-/// Where rows are found by the points of the cells they follow, none is missed, and most others are left out.
+/// Rows found by the points of the cells that they follow: none is missed, and most others are skipped.
 void expectRowsAreFound( const SkinBinding& binding, const CellComplex& complex, const std::vector<std::uint32_t>& cells,
 	std::mt19937& random, int& asked, int& held )
 {
@@ -234,7 +234,7 @@ TEST_P( Families, RowsThatFollowCellsAreFoundByTheirPoints )
 	EXPECT_LT( asked, 2 * held );
 }
 
-/// What comes to pieces at once never needs what grows by its cracks.
+/// A body that shatters at once never needs the growing surface.
 TEST_P( Families, TheWholeIsCopiedWhenItIsShown )
 {
 	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy( GetParam() ) );
@@ -257,7 +257,7 @@ TEST_P( Families, TheWholeIsCopiedWhenItIsShown )
 	EXPECT_EQ( drawingOf( view ), drawingOf( twin ) );
 }
 
-/// As long as it is all there, the ranges of a view tell all that is new.
+/// As long as the whole body is there, the ranges of a view list everything that is new.
 TEST_P( Families, RangesOfTheWholeTellWhatIsNew )
 {
 	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy( GetParam() ) );

@@ -1,4 +1,4 @@
-// The paper's own ways of drawing faces, and meshes that are not closed.
+// The papers' own methods of drawing faces, and meshes that are not closed.
 
 #include "surface/crack_pieces.h"
 
@@ -38,7 +38,7 @@ TEST( CrackModes, BricksAreWholeSquares )
 	for ( const CrackFace& face : it.complex->face )
 	{
 		const double squares = double( face.area ) / ( 0.2 * 0.2 );
-		EXPECT_NEAR( squares, std::round( squares ), 1e-4 ); // more than one where a cell took a crumb
+		EXPECT_NEAR( squares, std::round( squares ), 1e-4 ); // more than one if a cell was given a crumb
 		whole += std::lround( squares ) == 1;
 	}
 	EXPECT_GT( whole, 0.8 * double( it.complex->face.size() ) );
@@ -105,7 +105,7 @@ TEST( CrackModes, HolesStayTheOnlyOpenPlaces )
 	}
 }
 
-/// Triangles that do not meet at all: no cut of the surface closes, and each is drawn from its corners.
+/// Triangles without common vertices: no cut of the surface closes, and each face is drawn from its corners.
 TEST( CrackModes, SoupFallsBackOnMarchingSquares )
 {
 	Mesh soup = unwelded( makeSphere( 1.0, 24, 32 ) );
@@ -127,7 +127,7 @@ TEST( CrackModes, SoupFallsBackOnMarchingSquares )
 	expectNoSeams( surface );
 }
 
-/// Corners of the outer surface, out of so many, whose normals differ from those of the sphere, and all of them.
+/// Number of corners of the outer surface whose normals differ from those of the sphere, and number of all of them.
 std::pair<int, int> wronglyShaded( CrackCase& it, const CrackSurface& surface, const SkinBinding& binding )
 {
 	std::vector<float> positions( 3 * surface.vertexCount() ), normals( 3 * surface.vertexCount() );
@@ -153,7 +153,7 @@ std::pair<int, int> wronglyShaded( CrackCase& it, const CrackSurface& surface, c
 	return wrong;
 }
 
-/// A broken sphere at rest is shaded like the whole one: at every vertex of its outer surface, however few triangles are left there.
+/// A broken sphere at rest is shaded like the whole one, at every vertex of its outer surface, however few triangles are left there.
 TEST( CrackModes, CutsDoNotShowOnTheOuterSurface )
 {
 	CrackCase it( makeSphere( 1.0, 24, 32 ), 0.2, noisy() );
@@ -167,7 +167,7 @@ TEST( CrackModes, CutsDoNotShowOnTheOuterSurface )
 	EXPECT_GT( wronglyShaded( it, surface, unshifted ).first, all / 20 );
 }
 
-/// Shifts may end anywhere: what is beyond is as if it had shifts of nothing.
+/// Shifts may end anywhere: vertices beyond the last one have a shift of zero.
 TEST( CrackModes, NormalShiftsMayEndEarly )
 {
 	CrackCase it( makeSphere( 1.0, 24, 32 ), 0.2, noisy() );

@@ -1,6 +1,6 @@
 #pragma once
 
-// Bodies broken into pieces, and what must be true of them.
+// Bodies broken into pieces, and their invariants.
 
 #include "surface/crack_case.h"
 
@@ -31,7 +31,7 @@ inline double volumeOf( const CrackSurface& surface )
 	return sum;
 }
 
-/// Vertices at one place on one side are one: the surface without the seams of normals and texture coordinates.
+/// Vertices of one side at one position are one: the surface without the seams of normals and texture coordinates.
 inline std::vector<TrianglePoints> welded( const CrackSurface& surface )
 {
 	std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> number;
@@ -48,7 +48,7 @@ inline std::vector<TrianglePoints> welded( const CrackSurface& surface )
 	return out;
 }
 
-/// Cells by which of the seeds they are nearest to, along the lattice.
+/// Cells by their nearest seed, measured along the lattice.
 inline std::vector<std::vector<std::uint32_t>> shatter( const Lattice& lattice, int pieces, unsigned seed )
 {
 	std::mt19937 random( seed );
@@ -95,7 +95,7 @@ inline void expectValid( const CrackSurface& surface )
 	EXPECT_TRUE( status.ok() ) << status.sentence;
 }
 
-/// Copies of one side are carried alike, to the bit: no seam can open between them.
+/// Copies of one side have equal carriers, to the bit, so that no seam can open between them.
 inline void expectNoSeams( const CrackSurface& surface )
 {
 	const SkinBinding& b = surface.binding();

@@ -1,4 +1,4 @@
-// Cracks open: each side closed, tips joined, nothing follows what is across.
+// Cracks open: each side is closed, tips stay joined, and no vertex follows a cell across the crack.
 
 #include "surface/crack_pieces.h"
 
@@ -79,12 +79,12 @@ TEST_P( Cracks, PiecesAreClosedAndSumToTheWhole )
 		sum += volumeOf( piece );
 	}
 	EXPECT_NEAR( sum / meshVolume( it.mesh ), 1.0, 1e-5 );
-	// Two triangles an edge, but for a rare place where a face and a piece of surface find no other way than through the same two points:
-	// there four meet, and two of them lie flat on each other.
+	// Two triangles at each edge, except at a rare edge where a face and a piece of the surface both connect the same two points: four meet
+	// there, and two of them coincide.
 	EXPECT_LE( odd, 1 );
 }
 
-/// Both sides of every crack: same triangles turned round, so that areas agree to the bit.
+/// Both sides of every crack: the same triangles with opposite orientation, so that areas agree to the bit.
 TEST_P( Cracks, SidesAreEqualAndOpposite )
 {
 	const CrackCase it = make();
@@ -134,7 +134,7 @@ TEST_P( Cracks, BrokenFaceByFaceAreThoseBrokenAtOnce )
 	auto a = welded( atOnce ), b = welded( stepwise );
 	EXPECT_EQ( openEdges( a ), openEdges( b ) );
 	EXPECT_NEAR( volumeOf( atOnce ), volumeOf( stepwise ), 1e-9 );
-	// Every cell's rows agree: compare what each vertex place and row is drawn with, order aside.
+	// The rows of all cells agree: compares positions and rows of the drawn vertices, in any order.
 	const auto corners = []( const CrackSurface& s ) {
 		std::vector<std::array<float, 5>> all;
 		for ( const TrianglePoints& t : s.triangles() )
@@ -152,7 +152,7 @@ TEST_P( Cracks, BrokenFaceByFaceAreThoseBrokenAtOnce )
 	EXPECT_EQ( corners( atOnce ), corners( stepwise ) );
 }
 
-/// Any faces at all, in several goes: what is left stays closed in the sense of sums, and sound.
+/// Random faces, broken in several steps: the rest stays closed as sums of edges, and valid.
 TEST_P( Cracks, AnyBreaksLeaveItClosed )
 {
 	const CrackCase it = make();
@@ -194,7 +194,7 @@ TEST_P( Cracks, AnyBreaksLeaveItClosed )
 INSTANTIATE_TEST_SUITE_P( Solids, Cracks, testing::Combine( testing::ValuesIn( crackedSolids() ), testing::Values( 0.0f, 0.3f ) ),
 	[]( const auto& it ) { return std::string( std::get<0>( it.param ).name ) + ( std::get<1>( it.param ) > 0.0f ? "Noisy" : "Flat" ); } );
 
-/// A piece of a box broken along a plane: every edge of its surface is used once each way.
+/// A piece of a box broken along a plane: every edge of its surface is used once in each direction.
 TEST( CrackSurface, HalvesAreManifolds )
 {
 	for ( const float noise : { 0.0f, 0.3f } )
@@ -215,7 +215,7 @@ TEST( CrackSurface, HalvesAreManifolds )
 	}
 }
 
-/// No vertex of a side follows a cell that the crack cuts off, once the crack goes all the way through.
+/// No vertex of a side follows a cell that the crack separates, once the crack is complete.
 TEST( CrackSurface, SidesLetGoOfEachOther )
 {
 	for ( const Skinning kind : { Skinning::NearbyNodes, Skinning::Trilinear } )
@@ -246,7 +246,7 @@ TEST( CrackSurface, SidesLetGoOfEachOther )
 	}
 }
 
-/// A surface made from the links that are left is the one that saw them break.
+/// A surface made from the remaining links equals the one that followed their breaking.
 TEST( CrackSurface, MadeFromALatticeItIsTheSame )
 {
 	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy() );
@@ -291,7 +291,7 @@ TEST( CrackSurface, MadeFromALatticeItIsTheSame )
 	EXPECT_EQ( byLinks.triangles(), whole.triangles() );
 }
 
-/// Of more and more random links; the slow twin goes from cell to cell for each side.
+/// With more and more random broken links; the reference implementation goes from cell to cell for each side.
 TEST( CrackSurface, SidesFollowWhatFacesLeadThemTo )
 {
 	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy( 0.3f ) );
@@ -320,7 +320,7 @@ TEST( CrackSurface, SidesFollowWhatFacesLeadThemTo )
 	}
 }
 
-/// A crack half way through: at its tip nothing is doubled, behind it everything is.
+/// A crack through half of the body: at its tip no vertex is doubled, behind it all are.
 TEST( CrackSurface, TipsStayJoined )
 {
 	const CrackCase it( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), 0.25, noisy( 0.0f ) );
@@ -374,7 +374,7 @@ TEST( CrackSurface, TextureCoordinatesRunThroughCutsOfTheSurface )
 	CrackSurface surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 4, 1 ) ) );
 	surface.updateBinding();
-	// u, v linear in place on the input: then they must be on every cut of it.
+	// u, v are linear in the position on the input, so they must be linear on every cut of it.
 	std::vector<float> input;
 	for ( std::size_t v = 0; v < it.mesh.vertexCount(); ++v )
 	{

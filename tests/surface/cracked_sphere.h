@@ -26,7 +26,7 @@ inline Eigen::Matrix3f turnOfBend( const Vec3& x, float angle )
 	return Eigen::AngleAxisf( angle * x.x(), Vec3::UnitZ() ).toRotationMatrix();
 }
 
-/// A sphere of triangles about as large as its cells, and a crack at one place of it.
+/// A sphere of triangles about as large as its cells, and a crack at one position of it.
 struct Cracked
 {
 	/// `hasSeams`: no two triangles share a vertex.
@@ -35,7 +35,7 @@ struct Cracked
 		surface( it.complex )
 	{}
 
-	/// Breaks faces between cells beyond a height that stand on either side of the middle.
+	/// Breaks faces above a height between cells on either side of the middle.
 	void crack( float height )
 	{
 		std::vector<std::uint32_t> faces;

@@ -1,4 +1,4 @@
-// What no crack parts is drawn as the input has it, and all else as it was.
+// Panels that no crack divides are drawn as the input's triangles, and everything else as before.
 
 #include "surface/cracked_sphere.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 using namespace test;
 
-/// Whatever is cut on its sides: triangles that are not flat and turned as the panel is, each part of its border once.
+/// For any cuts on its sides: triangles that are not flat and are oriented like the panel, with each part of its border once.
 TEST( Panels, ACutPanelIsDrawnBetweenItsCuts )
 {
 	const Vec3 corner[3] = { { 0, 0, 0 }, { 3, 0, 0 }, { 1, 2, 0 } };
@@ -61,7 +61,7 @@ TEST( Panels, ACutPanelIsDrawnBetweenItsCuts )
 	}
 }
 
-/// What is drawn as one of a cracked surface, and which of the surface's vertices each of its is.
+/// The panels of a cracked surface drawn as one triangle, and for each of their vertices the one of the surface.
 struct AsOne
 {
 	explicit AsOne( const CrackSurface& surface )
@@ -83,7 +83,7 @@ struct AsOne
 	std::vector<std::uint32_t> vertex;
 };
 
-/// Closed as sums of edges, with the volume there was, and far from cracks the input's own triangles.
+/// Closed as sums of edges, with the same volume, and far from cracks the input's own triangles.
 void expectDrawnAsOne( const Cracked& cracked, const AsOne& one )
 {
 	const SkinBinding& b = *one.view.binding;
@@ -139,7 +139,7 @@ void expectDrawnAsOne( const Cracked& cracked, const AsOne& one )
 		}
 	}
 	EXPECT_GT( whole, 500 );
-	EXPECT_LE( cut, whole / 100 ); // around the few triangles that are cut and no panels
+	EXPECT_LE( cut, whole / 100 ); // around the few triangles that are cut but are not panels
 }
 
 TEST( Panels, FarFromACrackTheInputsOwnTrianglesAreDrawn )
@@ -148,11 +148,11 @@ TEST( Panels, FarFromACrackTheInputsOwnTrianglesAreDrawn )
 	cracked.crack( 0.3f );
 	const AsOne one( cracked.surface );
 	expectDrawnAsOne( cracked, one );
-	EXPECT_LT( 3 * one.vertex.size(), cracked.surface.vertexCount() ); // cuts were most of all
+	EXPECT_LT( 3 * one.vertex.size(), cracked.surface.vertexCount() ); // most vertices were those of cuts
 	EXPECT_LT( 5 * one.view.triangleCount, 2 * int( cracked.surface.triangles().size() ) );
 }
 
-/// Vertices at one place that have texture coordinates of their own.
+/// Vertices at one position with different texture coordinates.
 TEST( Panels, DrawnAsOneSeamsStayClosed )
 {
 	Cracked cracked( 24, kCell, true );
@@ -160,7 +160,7 @@ TEST( Panels, DrawnAsOneSeamsStayClosed )
 	expectDrawnAsOne( cracked, AsOne( cracked.surface ) );
 }
 
-/// A face that breaks within may part nothing where it ends: what passes there is drawn nevertheless, for its sides are.
+/// A face that breaks within the body may separate nothing where it ends: its cuts are drawn nevertheless, since its sides are.
 TEST( Panels, WhereBrokenFacesPassCutsAreDrawn )
 {
 	Cracked cracked;
@@ -177,7 +177,7 @@ TEST( Panels, WhereBrokenFacesPassCutsAreDrawn )
 		}
 		cracked.surface.breakFaces( faces );
 		cracked.surface.updateBinding();
-		expectValid( cracked.surface ); // spared are those at which nothing passes
+		expectValid( cracked.surface ); // only cuts at which no broken face passes are spared
 		const AsOne one( cracked.surface );
 		if ( round == 0 )
 		{
@@ -197,7 +197,7 @@ TEST( Panels, WhereBrokenFacesPassCutsAreDrawn )
 	EXPECT_GT( passed, 100 );
 }
 
-/// What is spared moves nothing: all else stands where it stood, and is shaded as it was, to the bit.
+/// Spared cuts move nothing: everything else keeps its position and its shading, to the bit.
 TEST( Panels, DrawnAsOneTheRestIsAsItWas )
 {
 	Cracked cracked;

@@ -1,4 +1,4 @@
-// What no crack parts looks as it did before there were any: cuts stand where the corners of the input's triangles put them.
+// Parts that no crack separates look as before the first crack: cuts are interpolated from the corners of the input's triangles.
 
 #include "surface/cracked_sphere.h"
 
@@ -43,7 +43,7 @@ TEST( Panels, CutsStandWhereTheirCornersPutThem )
 	}
 }
 
-/// Along a crack each side goes with its own cells: nothing there is placed.
+/// Along a crack each side follows its own cells: no cut there is interpolated.
 TEST( Panels, WhatACrackPartsIsBlended )
 {
 	Cracked cracked;
@@ -91,7 +91,7 @@ TEST( Panels, AtRestNormalsAreTheWholeMeshs )
 	}
 	EXPECT_GT( outer, 10000 );
 	EXPECT_LE( wrong, outer / 5000 ); // slivers, whose normals are rounding, as in CutsDoNotShowOnTheOuterSurface
-	// Where everything around is whole there is nothing to shift.
+	// Where everything around is unbroken there is nothing to shift.
 	int shifted = 0, there = 0;
 	for ( std::uint32_t v = 0; v < cracked.it.complex->inputVertices; ++v )
 	{
@@ -125,7 +125,7 @@ TEST( Panels, FarFromACrackABentBodyIsShadedAsBefore )
 	EXPECT_GT( there, 500 );
 }
 
-/// The slow twin has no panels: every vertex follows its row.
+/// The reference implementation has no panels: every vertex follows its row.
 TEST( Panels, BlendedOrPlacedTheSurfaceHardlyDiffers )
 {
 	Cracked cracked;
@@ -154,7 +154,7 @@ TEST( Panels, BlendedOrPlacedTheSurfaceHardlyDiffers )
 		farthest = std::max( farthest, ( cracked.position( v ) - Eigen::Map<const Vec3>( &positions[3 * std::size_t( v )] ) ).norm() );
 		mostTurned = std::max( mostTurned, ( cracked.normal( v ) - Eigen::Map<const Vec3>( &normals[3 * std::size_t( v )] ) ).norm() );
 	}
-	EXPECT_LT( farthest, 0.03f * float( kCell ) ); // what an edge of 1.3 cells bulges by: bend x length^2 / 8
+	EXPECT_LT( farthest, 0.03f * float( kCell ) ); // the bulge of an edge of 1.3 cells: bend x length^2 / 8
 	EXPECT_GT( farthest, 0.0f );
 	EXPECT_LT( mostTurned, 0.05f );
 }
@@ -164,7 +164,7 @@ TEST( Panels, SeveralThreadsPlaceAsOneDoes )
 	Cracked cracked( 48, kCell / 2 );
 	cracked.crack( 0.3f );
 	cracked.bend( 0.5f );
-	ASSERT_GT( cracked.surface.binding().placed.size(), 2048u ); // more than a task's share
+	ASSERT_GT( cracked.surface.binding().placed.size(), 2048u ); // more than one task's part
 	cracked.skinAs( cracked.surface );
 	const std::vector<float> positions = cracked.positions, normals = cracked.normals;
 	const std::unique_ptr<TaskRunner> runner = createThreadPool( 3 );
@@ -173,7 +173,7 @@ TEST( Panels, SeveralThreadsPlaceAsOneDoes )
 	EXPECT_EQ( cracked.normals, normals );
 }
 
-/// Seams of texture coordinates: copies at one place have corners of their own, at one place too.
+/// Seams of texture coordinates: copies at one position have different corners, at one position too.
 TEST( Panels, SeamsStayClosed )
 {
 	CrackCase it( unwelded( makeSphere( 1.0, 24, 36 ) ), kCell, noisy() );
@@ -203,8 +203,8 @@ TEST( Panels, SeamsStayClosed )
 	EXPECT_GT( copies, 100 );
 }
 
-/// Each processor's own loops, in room that another surface has left its numbers in; what is crushed to a point has no area to measure
-/// normals by.
+/// The loops of each instruction set, in scratch memory with the numbers of another surface. Where triangles are crushed to a point there
+/// is no area for normals.
 TEST( Panels, AreSkinnedToTheSameBitsByAnyKernels )
 {
 	CrackCase it( unwelded( makeSphere( 1.0, 24, 36 ) ), kCell, noisy() );
@@ -234,7 +234,7 @@ TEST( Panels, AreSkinnedToTheSameBitsByAnyKernels )
 	EXPECT_STREQ( plainSkinKernels().name, "baseline" );
 }
 
-/// What is larger than its cells bends with them.
+/// Triangles larger than the cells bend with them.
 TEST( Panels, LargeTrianglesAreNone )
 {
 	const CrackCase large( makeBox( { 0, 0, 0 }, { 1, 1, 1 }, 2 ), kCell, noisy() ),

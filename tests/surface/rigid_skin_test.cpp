@@ -1,4 +1,4 @@
-// A skin that is turned instead of made anew is where it would have been made anew, however slowly its body bends.
+// A skin that is rotated instead of recomputed agrees with the recomputed one, however slowly its body bends.
 
 #include "surface/skin/rigid_skin.h"
 #include "surface/skin_case.h"
@@ -18,7 +18,7 @@ using Change = RigidSkin::Change;
 constexpr double kCell = 0.2;
 constexpr double kTolerance = 0.01 * kCell; // m
 
-/// A skin as a body shows it: made in full where it must be, else turned.
+/// A skin as a body draws it: computed in full where necessary, otherwise rotated.
 struct Shown
 {
 	SkinCase it{ test::makeGlob( 1.0, 24 ), kCell };
@@ -44,7 +44,7 @@ struct Shown
 			rigid.turn( fullPositions, fullNormals, positions, normals );
 		}
 	}
-	/// From what it would be in full, m.
+	/// Distance from the skin computed in full, m.
 	double offBy() const
 	{
 		double most = 0.0;
@@ -92,7 +92,7 @@ TEST( RigidSkin, IsTurnedToWhereSkinningInFullPutsIt )
 		}
 		skin.show();
 		EXPECT_LT( skin.offBy(), 4e-6 ) << k;
-		EXPECT_LT( skin.normalsOffBy(), 5e-3 ) << k; // what rounding makes of normals of slivers, made anew
+		EXPECT_LT( skin.normalsOffBy(), 5e-3 ) << k; // the effect of rounding on recomputed normals of slivers
 	}
 	EXPECT_EQ( skin.bent, 1 );
 	EXPECT_EQ( skin.moved, 39 );
@@ -127,7 +127,7 @@ TEST( RigidSkin, OfManySmallMovesStaysNearWhatItWouldBe )
 	Shown skin;
 	for ( int frame = 0; frame < 400; ++frame )
 	{
-		// A bend and a sway, both far below the tolerance a frame.
+		// A bend and a sway, both far below the tolerance in each frame.
 		const float bend = 2e-4f * float( frame ), sway = 1e-5f * float( frame );
 		skin.it.deform( [&]( const Vec3& x ) { return Vec3( x.x() + sway, x.y() + 0.5f * bend * x.x() * x.x(), x.z() ); },
 			[&]( const Vec3& x ) { return Eigen::Matrix3f( Eigen::AngleAxisf( bend * x.x(), Vec3::UnitZ() ) ); } );
@@ -158,7 +158,7 @@ TEST( RigidSkin, OfABrokenNumberIsMadeInFull )
 	EXPECT_EQ( skin.rigid.classify( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Change::Bent );
 }
 
-// A rod that spins about itself leaves its nodes where they are.
+// A rod that rotates about itself leaves its nodes at their positions.
 TEST( RigidSkin, OfARodFollowsHowItsNodesAreTurned )
 {
 	for ( const bool hasGradients : { false, true } )
@@ -178,7 +178,7 @@ TEST( RigidSkin, OfARodFollowsHowItsNodesAreTurned )
 	}
 }
 
-// One node that turns by itself is a bend, where the skin is carried by rotations.
+// Rotation of a single node counts as bending, because rotations carry the skin.
 TEST( RigidSkin, OfANodeThatTurnsIsMadeInFull )
 {
 	Shown skin;

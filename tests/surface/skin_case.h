@@ -81,7 +81,7 @@ struct SkinCase
 		skin( binding, nodes, pose, triangles, scratch, positions.data(), normals.data(), runner );
 	}
 
-	/// Largest distance of the skinned vertices from where a map of the rest shape puts them, m.
+	/// Largest distance of the skinned vertices from the positions given by a map of the rest shape, m.
 	double largestError( const std::function<Vec3( const Vec3& )>& map ) const
 	{
 		double most = 0.0;

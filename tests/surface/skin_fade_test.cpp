@@ -1,4 +1,5 @@
-// What a change of levels moves the skin by: looked for where something was measured anew, and found as if it were looked for everywhere.
+// The displacement of the skin by a change of levels: searched only where something was measured again, with the same result as a full
+// search.
 
 #include "body/levels/levels.h"
 #include "support/explicit_material.h"
@@ -33,7 +34,7 @@ struct Carried
 		pose.fade = fade.isActive() ? &fade : nullptr;
 	}
 
-	/// Regions that hold what they held are stretched as they were: summed again they would differ in the last bits.
+	/// Regions with unchanged members have the same deformation: summed again they would differ in the last bits.
 	void keepWhatWasNotMeasured( const Carried& before, const LevelChange& change )
 	{
 		for ( std::uint32_t i = 0; i < std::uint32_t( change.source.size() ); ++i )
@@ -47,7 +48,7 @@ struct Carried
 	}
 };
 
-/// With two coarse levels, on its way to bend.
+/// With two coarse levels, while it bends.
 std::unique_ptr<Body> bodyInMotion( const Lattice& lattice )
 {
 	Adaptivity settings;
@@ -64,7 +65,7 @@ std::unique_ptr<Body> bodyInMotion( const Lattice& lattice )
 	return std::move( made.value );
 }
 
-/// Every fifth node from the first on, if it is a big one.
+/// Every fifth node from the first on, if it is a coarse one.
 std::vector<std::uint32_t> someOfThoseThatSplit( const Body& body, int first )
 {
 	std::vector<std::uint32_t> split;
@@ -124,7 +125,7 @@ TEST( SkinFade, IsTheSameWhereOnlyWhatWasMeasuredAnewIsLookedAt )
 	EXPECT_GT( offset, 1000u );
 }
 
-/// The surface as it is drawn, without what faded before.
+/// The surface as it is drawn, without earlier fades.
 std::vector<float> drawn( const SkinBinding& binding, const Body& body, const SkinPose& pose, const SkinTriangles& triangles )
 {
 	SkinScratch scratch;
@@ -133,8 +134,8 @@ std::vector<float> drawn( const SkinBinding& binding, const Body& body, const Sk
 	return positions;
 }
 
-/// A body that has cracks: right after a change it is drawn where it stood, and rows found by their points give what all rows do, to the
-/// bit. What stands in panels that no crack parts goes with their corners, and needs no offsets.
+/// A body with cracks: right after a change it is drawn at its previous position, and rows found by their points give the same as all rows,
+/// to the bit. Vertices in panels that no crack divides follow their corners and need no offsets.
 TEST( SkinFade, OfACrackedBodyKeepsItWhereItStood )
 {
 	const test::CrackCase it( test::makeBumpySphere( 1.0, 0.1, 30, 40 ), 0.12, test::noisy() );
@@ -207,8 +208,8 @@ float farthest( const std::vector<float>& offsets )
 	return far;
 }
 
-/// Torn elephants had their surfaces beside their nodes for up to 13 s, since no frame was to move a vertex by more than a twentieth of a
-/// percent of the body, and were skinned in full all that time: what is crushed jumps by a third of itself.
+/// The surfaces of torn elephants were off their nodes for up to 13 s, since no frame was to move a vertex by more than a twentieth of a
+/// percent of the body, and were skinned in full all that time: a crushed body jumps by a third of itself.
 TEST( SkinFade, OfACrushedBodyIsOverInHalfASecond )
 {
 	const SkinCase it( test::makeBumpySphere( 1.0, 0.1, 30, 40 ), 0.12 );
@@ -241,7 +242,7 @@ TEST( SkinFade, OfACrushedBodyIsOverInHalfASecond )
 	EXPECT_EQ( frames, 30 );
 }
 
-/// Rows of any length, none among them, of which few hold a cell that is wanted.
+/// Rows of any length, empty ones included, few of which hold a requested cell.
 TEST( SkinFade, RowsThatHoldACellAreFound )
 {
 	std::mt19937 random( 3 );

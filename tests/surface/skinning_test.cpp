@@ -1,4 +1,4 @@
-// The surface follows its nodes: exactly where they move as one, closely where they do not, and in one piece always.
+// The surface follows its nodes: exactly in rigid motion, closely otherwise, and always in one piece.
 
 #include "surface/skin_case.h"
 
@@ -42,8 +42,8 @@ TEST_P( Skin, RigidMotionIsExact )
 
 TEST_P( Skin, ALinearDeformationIsMetWithinWhatHalfACellCanHide )
 {
-	// Inside, weights meet a linear field; the outermost half cell follows the nodes' rotations only and so lacks the stretch there:
-	// at most |F - R| times the way from a vertex to the middle of its nodes.
+	// Inside, weights reproduce a linear field; the outermost half cell follows the nodes' rotations only and so lacks the stretch there:
+	// at most |F - R| times the distance from a vertex to the centre of its nodes.
 	const double d = 0.1;
 	SkinCase it( test::makeBox( { -0.5, -0.5, -0.5 }, { 0.5, 0.5, 0.5 }, 12 ), d, GetParam() );
 	Eigen::Matrix3f f;
@@ -56,7 +56,7 @@ TEST_P( Skin, ALinearDeformationIsMetWithinWhatHalfACellCanHide )
 	std::printf( "largest error %.3f cells at strain %.3f\n", it.largestError( wanted ) / d, strain );
 	EXPECT_LT( it.largestError( wanted ), 0.75 * std::sqrt( 3.0 ) * strain * d );
 
-	// In the middle of a face only the way across the face is lacking: half a cell, and what wider weights reach inwards.
+	// In the middle of a face only the stretch across the face is missing: half a cell, and the inward reach of wider weights.
 	for ( int v = 0; v < it.vertexCount(); ++v )
 	{
 		if ( ( it.rest( v ).cwiseAbs().array() < 0.3f ).count() == 2 )
@@ -89,8 +89,8 @@ TEST_P( Skin, AFlowedRestShapeIsFollowedToTheLastHalfCell )
 
 TEST_P( Skin, BendingIsFollowedSmoothly )
 {
-	// A bar bent to a quarter circle: vertices lie on it within a small part of a cell, and the surface has no steps: every edge is as
-	// long as it should be. (But for the last cell at each end, where nothing beyond tells of the stretch.)
+	// A bar bent to a quarter circle: vertices lie on it within a small part of a cell, and the surface has no steps: every edge has the
+	// right length, except in the last cell at each end, which lacks the stretch beyond it.
 	const double length = 2.0, d = 0.1;
 	SkinCase it( test::makeBox( { -1.0, -0.2, -0.2 }, { 1.0, 0.2, 0.2 }, 40 ), d, GetParam() );
 	const float curvature = float( 1.5707963 / length );
@@ -160,7 +160,7 @@ TEST_P( Skin, AnUnweldedCubeStaysWhole )
 	test::Seeded random( 6 );
 	for ( int i = 0; i < it.nodes.count; ++i )
 	{
-		it.nodes.x.set( i, it.nodes.x0.get( i ) + random.inBox( 0.1f ) ); // as wild as can be
+		it.nodes.x.set( i, it.nodes.x0.get( i ) + random.inBox( 0.1f ) ); // as irregular as possible
 	}
 	it.skinIt();
 	int pairs = 0;
@@ -254,7 +254,7 @@ TEST( Normals, OfAVertexWithoutAreaTurnAlong )
 	it.skinIt();
 	EXPECT_LT( ( it.normal( int( lonely ) ) - turn * before ).norm(), 1e-5f );
 
-	// All nodes at one place: no triangle has an area, every normal is still one.
+	// All nodes at one position: no triangle has an area, yet every normal is a unit vector.
 	it.affine( Eigen::Matrix3f::Zero() );
 	for ( int i = 0; i < it.nodes.count; ++i )
 	{

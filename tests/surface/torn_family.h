@@ -1,6 +1,6 @@
 #pragma once
 
-// A family that is torn, and all there is to what its bodies show.
+// A family that is torn, and everything that its bodies draw.
 
 #include "surface/crack_pieces.h"
 
@@ -15,7 +15,7 @@
 
 namespace pliant::test {
 
-/// Everything there is to a corner: place, normal, texture coordinates, which cells carry it and how much.
+/// All data of a corner: position, normal, texture coordinates, its cells and their weights.
 using Corner = std::vector<float>;
 using Drawing = std::vector<std::vector<Corner>>;
 
@@ -40,7 +40,7 @@ inline Corner cornerOf( const SkinBinding& b, const float* texture, std::uint32_
 	return corner;
 }
 
-/// What adds to normals, by points: sums are the same to the bit only in the same order.
+/// The triangles that add to normals, by points: sums are the same to the bit only in the same order.
 inline std::vector<Corner> shadingOf( const SkinBinding& b )
 {
 	std::vector<Corner> shading = { { float( b.shadedTriangles ), float( b.placed.size() ), float( b.blended.size() ) } };
@@ -51,7 +51,7 @@ inline std::vector<Corner> shadingOf( const SkinBinding& b )
 	return shading;
 }
 
-/// Triangles in an order of their own, each beginning with its least corner.
+/// Triangles in a canonical order, each beginning with its smallest corner.
 inline Drawing drawingOf(
 	const SkinBinding& b, const std::array<std::uint32_t, 3>* triangles, const std::uint32_t* sources, int count, const float* texture )
 {
@@ -79,8 +79,8 @@ inline Drawing drawingOf( const CrackView& view )
 
 enum class Cuts
 {
-	All,   ///< as a body that is whole draws them, which only grows by its cracks
-	Needed ///< panels that are one as the input has them
+	All,   ///< as for a body in one piece, whose drawing only grows by its cracks
+	Needed ///< undivided panels as in the input
 };
 
 inline Drawing drawingOf( const CrackSurface& surface, const float* input, Cuts cuts )
@@ -109,7 +109,7 @@ struct Torn
 		family = std::make_unique<SharedCrackState>( whole, CrackPatches::make( whole, texture.data() ), texture.data() );
 	}
 
-	/// A share of all links that are left, and those between pieces.
+	/// A fraction of the remaining links, and those between pieces.
 	void tear( double fraction, int pieces, unsigned seed )
 	{
 		std::mt19937 random( seed );
@@ -139,10 +139,10 @@ struct Torn
 		EXPECT_TRUE( family->hasNews() || links.empty() );
 	}
 
-	/// What the family shows of a body is to be this.
+	/// The expected drawing of a body of the family.
 	Cuts cuts() const { return family->sides() ? Cuts::Needed : Cuts::All; }
 
-	/// Whether the family draws in patches, once its structures have been looked through.
+	/// Whether the family draws in patches; validates its structures first.
 	bool isInPatches() const
 	{
 		const Status status = family->whole() ? validate( *family->whole() ) : validate( *family->sides() );

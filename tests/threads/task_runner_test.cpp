@@ -1,4 +1,4 @@
-// The pool runs every task once, whatever the counts, and is done when it says so.
+// The pool runs every task once, for any counts, and returns only when all are done.
 
 #include "pliant/task_runner.h"
 
@@ -76,7 +76,7 @@ TEST( TaskRunner, BearsTenThousandShortRuns )
 
 TEST( TaskRunner, WakesAThreadThatSleepsAndLetsBothWorkAtOnce )
 {
-	// Each task waits for the other: a pool that gave both to one thread, or left the other asleep, would get nowhere.
+	// Each task waits for the other: a pool that gave both to one thread, or did not wake the other thread, would never finish.
 	const auto meet = []( void* context, int ) {
 		std::atomic<int>& arrived = *static_cast<std::atomic<int>*>( context );
 		++arrived;
@@ -90,7 +90,7 @@ TEST( TaskRunner, WakesAThreadThatSleepsAndLetsBothWorkAtOnce )
 	const std::unique_ptr<TaskRunner> runner = createThreadPool( 2 );
 	for ( int k = 0; k < 20; ++k )
 	{
-		std::this_thread::sleep_for( std::chrono::milliseconds( k % 2 ) ); // longer than any thread is patient, or not at all
+		std::this_thread::sleep_for( std::chrono::milliseconds( k % 2 ) ); // longer than any thread waits actively, or not at all
 		std::atomic<int> arrived{ 0 };
 		runner->run( 2, meet, &arrived );
 		if ( HasFailure() )

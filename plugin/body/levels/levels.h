@@ -74,7 +74,7 @@ public:
 	{
 		return m_settings.regions == RegionRule::Multiplicity && !piece.nodes.before.empty();
 	}
-	/// The levels of a piece of a body that had these, made from what is left of the whole's: equal to those built for its lattice.
+	/// The levels of a piece of a body that had these, made from the remainder of the whole's: equal to those built for its lattice.
 	std::unique_ptr<Levels> ofPiece( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice ) const;
 	/// Whether the whole can be relinked where links of these cells changed.
 	bool canRelink( const std::vector<std::uint32_t>& touched ) const;

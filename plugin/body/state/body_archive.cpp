@@ -1,5 +1,5 @@
-// What a body is made of, and its state, as bytes. Tables follow from the lattice; only where links have broken, their numbers depend on
-// how they came about, and are stored.
+// The data from which a body is made, and its state, as bytes. Tables follow from the lattice; only where links have broken their numbers
+// depend on the history, and are stored.
 
 #include "archive/settings_archive.h"
 #include "body/body.h"

@@ -1,4 +1,4 @@
-// What makes a body breakable, as bytes.
+// The data of breaking, as bytes.
 
 #include "archive/settings_archive.h"
 #include "body/breaking.h"

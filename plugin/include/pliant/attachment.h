@@ -1,6 +1,6 @@
 #pragma once
 
-// Two-way attachments: a point of a soft body held at a point of a rigid body or of another soft body.
+// Two-way attachments: a point of a soft body attached to a point of a rigid body or of another soft body.
 
 #include <LinearMath/btScalar.h>
 #include <LinearMath/btVector3.h>
@@ -14,7 +14,7 @@ class SoftBody;
 /// How an attachment holds.
 struct AttachmentSettings
 {
-	/// How far the two points give way, m/N; 0 (the default): not at all. Must be finite and not negative.
+	/// Compliance: distance between the two points per force, m/N; 0 (the default): rigid. Must be finite and not negative.
 	btScalar compliance = btScalar( 0 );
 	/// The force at which it breaks, N; above 0; default: never.
 	btScalar breakingForce = SIMD_INFINITY;

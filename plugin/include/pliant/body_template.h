@@ -94,7 +94,7 @@ struct LatticeSettings
 	void* progressContext = nullptr; ///< passed to `progress`
 };
 
-/// What the build found and changed, for a log or a warning to an artist.
+/// Findings and corrections of the build, for a log or a warning to an artist.
 struct BuildReport
 {
 	int weldedVertices = 0;   ///< vertices merged into another
@@ -137,7 +137,7 @@ public:
 	[[nodiscard]] float cellSize() const;
 	/// Centre of mass in mesh coordinates, m: 3 doubles.
 	[[nodiscard]] const double* massCentre() const;
-	/// What the build found and changed. Valid as long as the template.
+	/// Findings and corrections of the build. Valid as long as the template.
 	[[nodiscard]] const BuildReport& report() const;
 
 	// The render mesh: vertex i is the input's vertex i. Arrays are valid as long as the template. With Skinning::None counts are 0 and

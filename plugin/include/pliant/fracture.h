@@ -1,6 +1,6 @@
 #pragma once
 
-// When a body breaks, and what happens to the pieces. Ohta et al. 2009, "Fracturing"; Steinemann et al. 2008, section 5.1.
+// Breaking of bodies, and treatment of the pieces. Ohta et al. 2009, "Fracturing"; Steinemann et al. 2008, section 5.1.
 
 #include "pliant/export.h"
 #include "pliant/result.h"
@@ -19,9 +19,9 @@ enum class BreakRule : int
 	/// When the largest stretch of a region exceeds the limit set by strength or breakStrain, all its links that cross the plane normal to
 	/// that stretch break at once, and a crack continues in the plane in which it began. Cracks follow the load, not the lattice.
 	Plane,
-	/// The body is divided into shards ahead (Fracture::shardSize), which nothing shows until it breaks. Where the largest stretch exceeds
-	/// the limit set by strength or breakStrain, a crack runs between shards, across that stretch, until a free surface or until it has
-	/// used up the strain energy of the shards beside it (Fracture::toughness). Crack faces are the smooth borders of the shards.
+	/// The body is divided into shards in advance (Fracture::shardSize), which are invisible until it breaks. Where the largest stretch
+	/// exceeds the limit set by strength or breakStrain, a crack runs between shards, across that stretch, until it reaches a free surface
+	/// or has used up the strain energy of the adjacent shards (Fracture::toughness). Crack faces are the smooth borders of the shards.
 	Shards
 };
 
@@ -34,7 +34,7 @@ enum class ShardPattern : int
 	Rings
 };
 
-/// What happens to pieces of at most Fracture::smallCells cells.
+/// Treatment of pieces of at most Fracture::smallCells cells.
 enum class SmallPieces : int
 {
 	Keep,  ///< they become bodies like all others
@@ -80,7 +80,7 @@ struct Fracture
 
 	/// Pieces of at most this many finest cells are small, 0 to 1 000 000.
 	int smallCells = 0;
-	/// What happens to them.
+	/// Treatment of small pieces.
 	SmallPieces smallPieces = SmallPieces::Keep;
 	float fadeTime = 2.0f; ///< lifetime of a piece with SmallPieces::Fade, s, (0, 3600]
 
@@ -92,8 +92,8 @@ struct Fracture
 /// Toughness that varies with position and direction: a factor on the limit strain of each link.
 struct ToughnessField
 {
-	/// Called once for each link. `point`: 3 floats, the middle of the link, mesh coordinates, m. `direction`: 3 floats, unit vector along
-	/// the link, mesh coordinates. Returns a factor above 0; infinity: the link never breaks. A value not above 0 is refused
+	/// Called once for each link. `point`: 3 floats, the midpoint of the link, mesh coordinates, m. `direction`: 3 floats, unit vector
+	/// along the link, mesh coordinates. Returns a factor above 0; infinity: the link never breaks. A value not above 0 is refused
 	/// (BadArgument). Null: 1 everywhere.
 	float ( *fraction )( const float* point, const float* direction, void* context ) = nullptr;
 	void* context = nullptr; ///< passed to `fraction`; used only during the call that sets the field
@@ -114,8 +114,8 @@ struct ShardCentres
 /// BreakRule::Shards: fraction of the breaking stretch at which a crack still runs through a body, with Fracture::toughness 0.
 inline constexpr float kRunsAt = 0.3f;
 
-/// Limits of what has come off the bodies of one world (SoftBodyHost::setDebrisBudget). Pieces over the budget fade and are removed, those
-/// first that are oldest for their number of nodes; never bodies marked by SoftBody::setKept, nor pieces that the game has taken
+/// Limits for the fragments of one world (SoftBodyHost::setDebrisBudget). Pieces over the budget fade and are removed, those first that are
+/// oldest for their number of nodes; never bodies marked by SoftBody::setKept, nor pieces that the game has taken
 /// (SoftBodyHost::releaseFragment).
 struct DebrisBudget
 {

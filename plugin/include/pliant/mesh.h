@@ -27,8 +27,8 @@ struct MeshView
 	/// ... and a submesh number for each triangle, triangleCount values.
 	const std::uint32_t* submeshOfTriangle = nullptr;
 
-	/// Optional tangents for `tangents` (pliant/render/vertex_attributes.h), copied; null: computed from the texture coordinates when asked
-	/// for. 4 * vertexCount floats, finite (else NonFiniteVertex): x, y, z and the handedness, 1 or -1.
+	/// Optional tangents for `tangents` (pliant/render/vertex_attributes.h), copied; null: computed from the texture coordinates on
+	/// request. 4 * vertexCount floats, finite (else NonFiniteVertex): x, y, z and the handedness, 1 or -1.
 	const float* tangents = nullptr;
 };
 

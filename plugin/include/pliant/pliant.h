@@ -1,6 +1,6 @@
 #pragma once
 
-// What most programs need: a world, templates of meshes, materials, bodies. The further headers, by subject:
+// The headers for most programs: a world, templates of meshes, materials, bodies. The further headers, by subject:
 //
 //     pliant/soft_body_world_over.h    soft bodies in Bullet's other worlds, or in the game's own
 //     pliant/contact_solver.h          Bullet's contact solver, faster with soft bodies
@@ -13,9 +13,9 @@
 //     pliant/c/pliant.h                the face in plain C, for other languages; pliant/c/mix.h for both on one world
 //     pliant/build.h, version.h        which features and which version this is
 //
-// Included here, and there to be included alone where less is wanted: mesh.h, crack.h and body_template.h (meshes), material.h,
-// adaptivity.h (levels of detail), fracture.h, attachment.h, soft_body.h, soft_body_host.h (what a world is asked), step_report.h (times,
-// what broke), task_runner.h (threads), result.h (why a call was refused).
+// Included here, and usable separately: mesh.h, crack.h and body_template.h (meshes), material.h, adaptivity.h (levels of detail),
+// fracture.h, attachment.h, soft_body.h, soft_body_host.h (calls of a world), step_report.h (times, fracture events), task_runner.h
+// (threads), result.h (reasons of refusals).
 
 #include "pliant/body_template.h"
 #include "pliant/material.h"

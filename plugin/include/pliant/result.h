@@ -31,8 +31,8 @@ enum class ResultCode : int
 	/// The surface is folded so often within its bounding box that no cell size separates its layers; or, with Shell::Never, it is so
 	/// folded or so widely open that telling inside from outside takes too long.
 	TooFolded,
-	/// The data of a load is no snapshot of this kind, is cut off or damaged, comes from a newer version or from a build of the other
-	/// precision, or does not go with the world or the templates.
+	/// The data of a load is no snapshot of this kind, is truncated or damaged, comes from a newer version or from a build of the other
+	/// precision, or does not fit the world or the templates.
 	BadSnapshot
 };
 
@@ -54,7 +54,7 @@ template <class T>
 struct [[nodiscard]] Result
 {
 	Status status; ///< the outcome
-	T value{};     ///< what was asked for; default-constructed (null for pointers) unless ok()
+	T value{};     ///< the result; default-constructed (null for pointers) unless ok()
 
 	/// Whether there is a value.
 	[[nodiscard]] bool ok() const { return status.ok(); }

@@ -96,8 +96,8 @@ public:
 	[[nodiscard]] btVector3 massCentre() const;      ///< world, m
 	[[nodiscard]] btVector3 linearVelocity() const;  ///< of the centre of mass, m/s
 	[[nodiscard]] btVector3 angularMomentum() const; ///< about the centre of mass, kg m^2/s
-	/// Of the rigid part of the motion, rad/s: what a rigid body of these nodes would have with the same angular momentum. No spin about an
-	/// axis on which all nodes lie; zero for a body of one node.
+	/// Of the rigid part of the motion, rad/s: that of a rigid body with these nodes and the same angular momentum. Nearly collinear nodes
+	/// have no spin about their axis; a body of one node has none.
 	[[nodiscard]] btVector3 angularVelocity() const;
 	/// The rigid transform that fits the deformed body best; maps mesh coordinates to the world.
 	[[nodiscard]] btTransform bestFitTransform() const;
@@ -131,9 +131,9 @@ public:
 	Status setFracture( const Fracture& fracture, const ToughnessField& toughness = {}, const ShardCentres& centres = {} );
 	/// The settings of the last setFracture; BreakRule::Never when there was none.
 	[[nodiscard]] Fracture fracture() const;
-	/// Makes ahead of time what the first crack of a body has to make, which is most of its cost: data that bodies of one template share
-	/// until then and, for a drawn body, the crack faces. Takes the memory of a cracked body. For whole bodies, before or after
-	/// setFracture; changes nothing visible. Errors: OutOfMemory; BadArgument in a build without Feature::Fracture or Feature::Surface.
+	/// Computes in advance the data for the first crack of a body, which is most of its cost: data that bodies of one template share until
+	/// then and, for a drawn body, the crack faces. Takes the memory of a cracked body. For whole bodies, before or after setFracture;
+	/// changes nothing visible. Errors: OutOfMemory; BadArgument in a build without Feature::Fracture or Feature::Surface.
 	Status prepareCracks();
 	/// Number of finest cells of this body; equals the number of nodes without levels of detail.
 	[[nodiscard]] int cellCount() const;
@@ -164,8 +164,8 @@ public:
 	/// The value last set.
 	[[nodiscard]] bool isKept() const;
 
-	// --- motion. Refused with BadArgument: bad numbers, a node index out of range, and what would give a node more than 1e5 m/s along an
-	// --- axis: at once by velocities and impulses, within 1/60 s by forces and gravity.
+	// --- motion. Refused with BadArgument: bad numbers, a node index out of range, and values that would make a node faster than 1e5 m/s
+	// --- along an axis: directly by velocities and impulses, within 1/60 s by forces and gravity.
 	Status setLinearVelocity( const btVector3& velocity );                     ///< of every node, m/s
 	Status setVelocities( const btVector3& linear, const btVector3& angular ); ///< rigid motion about the centre of mass, m/s and rad/s
 	Status applyCentralForce( const btVector3& force );                        ///< N, distributed by mass, until the end of the step
@@ -195,12 +195,12 @@ public:
 	/// Whether it does.
 	[[nodiscard]] bool contactEvents() const;
 
-	/// Moves the whole body by a rigid transform; keeps its deformation and turns its velocities. Wakes what the body touches. Refused
-	/// (BadArgument) where the transform holds a bad number, where it or the body's new position is further out than 1e9 m, or where it
-	/// scales, shears or mirrors by more than 1 %.
+	/// Moves the whole body by a rigid transform; keeps its deformation and rotates its velocities. Wakes the objects that the body
+	/// touches. Refused (BadArgument) if the transform holds a bad number, if it or the body's new position is farther than 1e9 m from the
+	/// origin, or if it scales, shears or mirrors by more than 1 %.
 	Status teleport( const btTransform& by );
-	/// Returns the body to its rest shape, at rest; `transform` maps mesh coordinates to the world. Wakes what the body touches. Ends
-	/// quarantine (isHealthy). Refused as by teleport.
+	/// Returns the body to its rest shape, at rest; `transform` maps mesh coordinates to the world. Wakes the objects that the body
+	/// touches. Ends quarantine (isHealthy). Refused as by teleport.
 	Status reset( const btTransform& transform );
 
 	/// Grows or shrinks the body to `scale` times the size of its template, 1e-3 to 1e3: rest shape, spheres, masses by density (times
@@ -237,9 +237,9 @@ public:
 	// --- pins: nodes that forces do not move. Errors: BadArgument -----------------------------------------------------------------------
 	/// Holds a node at its current position until it is released.
 	Status pinNode( int node );
-	/// Attaches a node to a rigid body, whose motion it follows; the rigid body feels no force from it. The rigid body must be in a world,
-	/// and in this body's world where that is in one. The pin is released when the rigid body leaves that world, by whatever call, and when
-	/// this body is added to a world that the rigid body is not in.
+	/// Attaches a node to a rigid body, whose motion it follows without a reaction on the rigid body. The rigid body must be in a world,
+	/// and in this body's world if that is in one. The pin is released when the rigid body leaves that world, by any call, and when this
+	/// body is added to a world that the rigid body is not in.
 	Status pinNodeToBody( int node, btRigidBody* body );
 	/// Moves a node so that it reaches `worldPosition`, m, at the end of the next step. Refused for a bad number and where the position is
 	/// further from the node than a hundred times the body's size or 833 m.
@@ -249,7 +249,7 @@ public:
 	/// Pins every node whose position is inside a world box (corners, m); returns their number. A node of a body with levels of detail is
 	/// pinned as a whole: for a pin exact to the cell, call `requestRefinement` for the box and pin after the next step. 0 for bad numbers.
 	int pinNodesInside( const btVector3& low, const btVector3& high );
-	/// Whether a node is pinned, in whichever way; false for an index out of range.
+	/// Whether a node is pinned by any of these calls; false for an index out of range.
 	[[nodiscard]] bool isPinned( int node ) const;
 
 	// --- rendering --------------------------------------------------------------------------------------------------------------------

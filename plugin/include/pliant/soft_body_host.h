@@ -1,6 +1,6 @@
 #pragma once
 
-// The soft bodies of a world: what a game calls, whichever of Bullet's worlds they sit in (soft_body_world_over.h).
+// The soft bodies of a world: the calls of a game, for any of Bullet's worlds (soft_body_world_over.h).
 
 #include "pliant/attachment.h"
 #include "pliant/export.h"
@@ -38,7 +38,7 @@ using BulletPrecision = BuiltForDoubleBullet;
 using BulletPrecision = BuiltForFloatBullet;
 #endif
 
-/// The stages of a step of the Bullet world that soft bodies sit in. SoftBodyWorldOver implements it; games need not know it.
+/// The stages of a step of the Bullet world that holds the soft bodies. SoftBodyWorldOver implements it; games need not know it.
 class PLIANT_API BulletStages
 {
 public:
@@ -93,33 +93,33 @@ public:
 };
 /// @endcond
 
-/// What games call of a world with soft bodies, beyond Bullet's own calls: SoftBodyWorld and SoftBodyWorldOver derive from it. Callable
-/// from one thread at a time. Fragments of the world (FractureEvent) are deleted with it, other bodies are not. "Not during a step" means
-/// not out of contact callbacks and force fields; actions and tick callbacks run between steps.
+/// Calls of games on a world with soft bodies, beyond Bullet's own calls: SoftBodyWorld and SoftBodyWorldOver derive from it. Callable from
+/// one thread at a time. Fragments of the world (FractureEvent) are deleted with it, other bodies are not. "Not during a step" means not
+/// from contact callbacks and force fields; actions and tick callbacks run between steps.
 class PLIANT_API SoftBodyHost
 {
 public:
-	/// Group and mask as for any Bullet object. The world does not own the body. Adding twice, or what is in another world, or null, is
-	/// ignored. To change group and mask remove the body and add it again: it goes on as it was, its pins too.
+	/// Group and mask as for any Bullet object. The world does not own the body. A body that is already in this or another world, or null,
+	/// is ignored. To change group and mask remove the body and add it again: it keeps its state, pins included.
 	void addSoftBody( SoftBody* body, int group = btBroadphaseProxy::DefaultFilter, int mask = btBroadphaseProxy::AllFilter );
-	/// At any time, out of contact and tick callbacks too; the body may be deleted then. What it touched wakes. Ignored for a body of no or
-	/// another world and for null.
+	/// At any time, also from contact and tick callbacks; the body may be deleted then. Objects that it touched wake. Ignored for a body of
+	/// no or another world and for null.
 	void removeSoftBody( SoftBody* body );
 	/// Number of soft bodies in the world, fragments included.
 	[[nodiscard]] int softBodyCount() const;
 	/// The soft body of an index, 0 to softBodyCount() - 1, in the order in which they were added; null for an index out of range.
 	[[nodiscard]] SoftBody* softBody( int index ) const;
 
-	/// What broke in the last stepSimulation, in order. Pointers stay good until a body they name is deleted; the world itself deletes
-	/// small pieces that have faded, at the start of a stepSimulation.
+	/// The breaks of the last stepSimulation, in order. Pointers stay valid until a body that they name is deleted; the world itself
+	/// deletes small pieces that have faded, at the start of a stepSimulation.
 	[[nodiscard]] const std::vector<FractureEvent>& fractureEvents() const;
 	/// Number of fragments that belong to the world.
 	[[nodiscard]] int fragmentCount() const;
-	/// Makes the fragment the game's to delete; it stays in the world. So does removing it from the world. Deleting a fragment that
-	/// belongs to the world is legal too. False for what is no fragment of this world's.
+	/// Transfers the fragment to the game, which has to delete it; it stays in the world. Removing it from the world has the same effect.
+	/// Deleting a fragment that belongs to the world is allowed too. False for a body that is no fragment of this world.
 	bool releaseFragment( SoftBody* fragment );
-	/// Limits what comes off bodies; what is over the budget fades from the next step on. BadSettings for values out of range; BadArgument
-	/// in a build without Feature::Fracture for anything but the default.
+	/// Limits the number of pieces; pieces over the budget fade from the next step on. BadSettings for values out of range; BadArgument in
+	/// a build without Feature::Fracture for anything but the default.
 	Status setDebrisBudget( const DebrisBudget& budget );
 	/// The budget last set.
 	[[nodiscard]] DebrisBudget debrisBudget() const;
@@ -165,7 +165,7 @@ public:
 	Result<int> attach( SoftBody& body, const btVector3& position, btCollisionObject& to, const AttachmentSettings& settings = {} );
 	/// Attaches two soft bodies at a world position, m, of both. BadArgument also for one body twice.
 	Result<int> attach( SoftBody& body, SoftBody& to, const btVector3& position, const AttachmentSettings& settings = {} );
-	/// Attaches each node of `body` within `distance`, m, of a node of `to` half-way between the two: faces that touch become one. Returns
+	/// Attaches each node of `body` within `distance`, m, of a node of `to` midway between the two: faces that touch become one. Returns
 	/// the number of attachments. Errors: as for attach; BadArgument also for a distance that is negative or a bad number.
 	Result<int> weld( SoftBody& body, SoftBody& to, btScalar distance, const AttachmentSettings& settings = {} );
 	/// Removes an attachment; false for an id that is not there.
@@ -180,41 +180,41 @@ public:
 	/// The contacts of bodies with SoftBody::setContactEvents in the last stepSimulation, one for each pair.
 	[[nodiscard]] const std::vector<ContactEvent>& contactEvents() const;
 
-	/// Adds a force field; wakes what it acts on. Not owned. BadArgument for one that is in a world already.
+	/// Adds a force field; wakes the bodies that it acts on. Not owned. BadArgument for a field that is in a world already.
 	Status addForceField( ForceField& field );
-	/// Removes it; wakes what it acted on. False for one that is not in this world.
+	/// Removes it; wakes the bodies that it acted on. False for a field that is not in this world.
 	bool removeForceField( ForceField& field );
 	/// Number of force fields in the world.
 	[[nodiscard]] int forceFieldCount() const;
-	/// Pushes soft and rigid bodies away from a point, by the area that faces it; rigid bodies are not turned. Wakes what it pushes.
-	/// Returns the number of bodies. BadSettings for a setting out of range; BadArgument where a node or a rigid body would be faster than
-	/// 1e5 m/s, and during a step.
+	/// Pushes soft and rigid bodies away from a point, in proportion to the area that faces it; rigid bodies are not rotated. Wakes the
+	/// bodies that it pushes. Returns their number. BadSettings for a setting out of range; BadArgument if a node or a rigid body would
+	/// become faster than 1e5 m/s, and during a step.
 	Result<int> explode( const Explosion& explosion );
 
-	/// Moves the world's origin: `by`, m, is added to the coordinates of everything in the world; nothing wakes, and the next steps go on
-	/// as before. Moved with it: soft and rigid bodies, ghosts, multibodies, motion states, contacts, pins, and joints with one body, whose
-	/// frame is in the world. Exact for soft bodies by multiples of 1/16 m. Not moved: what the game keeps, actions and force fields among
-	/// it. BadArgument for a bad number, where something would be further out than 1e9 m, in a world with Bullet's own soft bodies, and
-	/// during a step.
+	/// Moves the world's origin: `by`, m, is added to the coordinates of everything in the world; nothing wakes, and motion continues
+	/// unchanged. Moved with it: soft and rigid bodies, ghosts, multibodies, motion states, contacts, pins, and joints with one body, whose
+	/// frame is in the world. Exact for soft bodies by multiples of 1/16 m. Not moved: data of the game, including actions and force
+	/// fields. BadArgument for a bad number, if an object would be farther than 1e9 m from the origin, in a world with Bullet's own soft
+	/// bodies, and during a step.
 	Status shiftOrigin( const btVector3& by );
 
-	/// What debugDrawWorld draws of soft bodies. Bad numbers count as the default ones.
+	/// Parts of soft bodies that debugDrawWorld draws. Bad numbers count as the default ones.
 	void setDebugDrawing( const DebugDrawing& what );
 	/// The setting.
 	[[nodiscard]] const DebugDrawing& debugDrawing() const;
 
 	/// Makes a frame: a rigid body, without collisions, that moves with the nodes of a soft body within `radius`, m, of a world position,
-	/// and through which Bullet's joints, motors and forces act on them, torques too. It adds no mass: its mass is what the patch resists
-	/// with. Its origin and axes are the library's choice: joints refer to its getWorldTransform. The world owns it until removeFrame. It
-	/// follows changes of levels and goes with the piece that has most of the patch; when the soft body leaves the world, or has too few
-	/// nodes left, it becomes an ordinary rigid body of the patch's mass. Velocities and transforms that the game sets on it, and impulses,
-	/// are ignored. BadArgument for a body that is not in this world, a bad number, and where the nodes within the radius are fewer than
-	/// three or lie on a line.
+	/// and through which Bullet's joints, motors, forces and torques act on them. It adds no mass to the patch: its own mass represents the
+	/// patch's resistance. The library chooses its origin and axes: joints refer to its getWorldTransform. The world owns it until
+	/// removeFrame. It follows changes of levels and the piece that has most of the patch; when the soft body leaves the world, or has too
+	/// few nodes left, it becomes an ordinary rigid body of the patch's mass. Velocities and transforms that the game sets on it, and
+	/// impulses, are ignored. BadArgument for a body that is not in this world, a bad number, and if the nodes within the radius are fewer
+	/// than three or collinear.
 	Result<btRigidBody*> addFrame( SoftBody& body, const btVector3& position, btScalar radius );
-	/// Takes a frame and all joints at it out of the world and deletes the frame, but not the joints; false for what is no frame of this
-	/// world, and during a step.
+	/// Removes a frame and all joints at it from the world and deletes the frame, but not the joints; false for a body that is no frame of
+	/// this world, and during a step.
 	bool removeFrame( const btRigidBody* frame );
-	/// The soft body that a frame moves with; null where that is gone, and for what is no frame.
+	/// The soft body that a frame moves with; null if it has left, and for a body that is no frame.
 	[[nodiscard]] SoftBody* frameOwner( const btRigidBody* frame ) const;
 
 	/// The Bullet world that the soft bodies are in.
@@ -233,12 +233,12 @@ protected:
 	/// At the end of the world's constructor. Leave the last parameter alone: it makes a program that disagrees with the library about
 	/// Bullet's precision fail to link (BulletPrecision).
 	void hostAttach( BulletStages& stages, const BulletStages::Parts& parts, BulletPrecision = {} );
-	/// At the start of the world's destructor: soft bodies leave, fragments that nobody has taken over are deleted.
+	/// At the start of the world's destructor: soft bodies leave, fragments that the game has not taken are deleted.
 	void hostDetach();
 
 	/// Nothing of a step is ours: the world's overrides call Bullet's stages and nothing else.
 	bool isPlain() const { return *m_isPlain; }
-	// What the world's overrides of Bullet's calls do; world/step/world_step.cpp is the order of a step.
+	// Implementation of the world's overrides of Bullet's calls; world/step/world_step.cpp is the order of a step.
 	void singleStep( btScalar timeStep );
 	void predictStage( btScalar h );
 	void predictiveContactsStage( btScalar h );
@@ -250,11 +250,11 @@ protected:
 	/// False where the step cannot be made; cuts a time of more steps than can be counted.
 	bool beginTick( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep );
 	void endTick();
-	/// When Bullet brings motion states up to date: times in s, 0 for a step of the whole time.
+	/// When Bullet updates motion states: times in s, 0 for a step of the whole time.
 	void hostNoteTime( btScalar left, btScalar fixedTimeStep ) { setInterpolationFraction( fixedTimeStep > 0 ? left / fixedTimeStep : 1 ); }
 	void hostAdd( btCollisionObject* object, int group, int mask );
 	void hostRemove( btCollisionObject* object );
-	/// False for what stands in a manifold for a soft body's node: it is in no world.
+	/// False for the contact proxy of a soft body's node in a manifold: it is in no world.
 	static bool hostMayAdd( const btRigidBody* body );
 	/// Before a rigid body or a joint leaves the world.
 	void hostForget( btRigidBody& body );

@@ -7,7 +7,7 @@
 
 namespace pliant {
 
-/// A btDiscreteDynamicsWorld that holds soft bodies too. What games call of it beyond Bullet's own calls is declared in SoftBodyHost.
+/// A btDiscreteDynamicsWorld that holds soft bodies too. SoftBodyHost declares the calls beyond Bullet's own.
 class PLIANT_API SoftBodyWorld : public SoftBodyWorldOver<btDiscreteDynamicsWorld>
 {
 public:

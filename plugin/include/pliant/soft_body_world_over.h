@@ -16,8 +16,8 @@
 
 namespace pliant {
 
-/// A world of class `Base`, which is btDiscreteDynamicsWorld or derived from it, that holds soft bodies too. What games call of it beyond
-/// Bullet's own calls is declared in SoftBodyHost.
+/// A world of class `Base`, which is btDiscreteDynamicsWorld or derived from it, that holds soft bodies too. SoftBodyHost declares the
+/// calls beyond Bullet's own.
 template <class Base>
 class SoftBodyWorldOver : public Base, public SoftBodyHost, private BulletStages
 {
@@ -27,7 +27,7 @@ class SoftBodyWorldOver : public Base, public SoftBodyHost, private BulletStages
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
-	/// Takes what Base's constructor takes.
+	/// Takes the arguments of Base's constructor.
 	template <class... Arguments>
 	explicit SoftBodyWorldOver( Arguments&&... arguments ) : Base( std::forward<Arguments>( arguments )... )
 	{
@@ -70,14 +70,14 @@ public:
 		return isPlain() || beginTick( timeStep, maxSubSteps, fixedTimeStep ) ? Base::stepSimulation( timeStep, maxSubSteps, fixedTimeStep )
 																			  : 0;
 	}
-	/// A soft body comes in as by addSoftBody; Bullet's default filter, which is for static objects, is a dynamic body's then. What stands
-	/// in a manifold for a soft body's node is never added itself.
+	/// A soft body is added as by addSoftBody; Bullet's default filter, which is for static objects, is replaced by a dynamic body's. The
+	/// contact proxy of a soft body's node in a manifold is never added itself.
 	void addCollisionObject( btCollisionObject* object, int group = btBroadphaseProxy::StaticFilter,
 		int mask = btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter ) override
 	{
 		hostAdd( object, group, mask );
 	}
-	/// As Bullet's. What represents a soft body's node in a manifold is ignored: it is in no world.
+	/// As Bullet's. The contact proxy of a soft body's node in a manifold is ignored: it is in no world.
 	void addRigidBody( btRigidBody* body ) override
 	{
 		if ( hostMayAdd( body ) )
@@ -85,7 +85,7 @@ public:
 			Base::addRigidBody( body );
 		}
 	}
-	/// As Bullet's; ignores what the other overload ignores.
+	/// As Bullet's; ignores the same as the other overload.
 	void addRigidBody( btRigidBody* body, int group, int mask ) override
 	{
 		if ( hostMayAdd( body ) )
@@ -93,10 +93,10 @@ public:
 			Base::addRigidBody( body, group, mask );
 		}
 	}
-	/// A soft body leaves as by removeSoftBody, also where it is named by what stands for one of its nodes in a manifold.
+	/// Removes a soft body as by removeSoftBody, also if it is named by the contact proxy of one of its nodes in a manifold.
 	void removeCollisionObject( btCollisionObject* object ) override { hostRemove( object ); }
-	/// As Bullet's. Releases the pins to the body and wakes what touches it. What represents a soft body's node in a manifold removes that
-	/// soft body.
+	/// As Bullet's. Releases the pins to the body and wakes the objects that touch it. For the contact proxy of a soft body's node in a
+	/// manifold that soft body is removed.
 	void removeRigidBody( btRigidBody* body ) override
 	{
 		if ( !hostMayAdd( body ) )
@@ -140,8 +140,7 @@ public:
 			Base::debugDrawObject( transform, shape, colour );
 		}
 	}
-	/// Writes what Bullet's world writes, without soft bodies, their shapes and their contacts: a file with all else in it, as if they were
-	/// not there.
+	/// Writes the same as Bullet's world without soft bodies, their shapes and their contacts.
 	void serialize( btSerializer* serializer ) override { hostSerialize( *serializer ); }
 	/// As Bullet's, contacts of soft bodies included.
 	void solveConstraints( btContactSolverInfo& info ) override { isPlain() ? Base::solveConstraints( info ) : solveStage( info ); }

@@ -1,5 +1,5 @@
 // Samples of a cut cell belong to one piece when a path between adjacent samples leads through material: straight along the axes where no
-// gap was found, and diagonally where no sample beside the path is inside (a slanted sheet thinner than two samples).
+// gap was found, and diagonally where no sample next to the path is inside (a slanted sheet thinner than two samples).
 
 #include "lattice/build/parts.h"
 
@@ -19,7 +19,7 @@ constexpr std::uint8_t kSolid = kInside | kSliver;
 std::vector<Eigen::Vector3i> makeDiagonalSteps()
 {
 	std::vector<Eigen::Vector3i> steps;
-	for ( int code = 14; code < 27; ++code ) // the second half of the 27, past the middle
+	for ( int code = 14; code < 27; ++code ) // the second half of the 27, after the centre
 	{
 		const Eigen::Vector3i step( code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1 );
 		if ( step.cwiseAbs().sum() > 1 )

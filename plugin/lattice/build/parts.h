@@ -70,7 +70,7 @@ private:
 	std::unique_ptr<PositionIndex> m_index;
 };
 
-/// True where the segment from a sample to its diagonal neighbour does not cross the surface; called when no sample beside it is inside.
+/// True where the segment from a sample to its diagonal neighbour does not cross the surface; called when no sample next to it is inside.
 bool isUnobstructed( const InsideField& field, const Grid& grid, const Eigen::Vector3i& sample, const Eigen::Vector3i& step );
 
 /// The 10 of 20 diagonal steps that come after their opposites.

@@ -265,7 +265,7 @@ CellDraft makeCell( const Grid& grid, const SurfacePatch& patch, const ShellOpti
 	const Vec3d low = grid.at( patch.key ).cast<double>(), high = low + Vec3d::Ones();
 	const Vec3d middle = 0.5 * ( patch.low + patch.high );
 	Vec3d centre = patch.area > 0.0 ? Vec3d( patch.moment / patch.area ) : middle;
-	// If the surface is concentrated at one end of the position, the cell's centre is the middle of its box, which is near all of it.
+	// If the surface is concentrated at one end of the position, the cell's centre is the centre of its box, which is near all of it.
 	const Vec3d farthest = ( patch.high - centre ).cwiseMax( centre - patch.low );
 	if ( farthest.squaredNorm() > kShellReach * kShellReach )
 	{

@@ -1,6 +1,6 @@
 #pragma once
 
-// The border of a lattice as triangles: the faces of cells towards which they have no link. What rays meet of a body without a drawn mesh.
+// The border of a lattice as triangles: the faces of cells that no link crosses. Rays meet it if a body has no drawn mesh.
 
 #include "lattice/lattice.h"
 

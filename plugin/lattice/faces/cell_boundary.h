@@ -20,8 +20,8 @@ struct CellBoundary
 	std::vector<std::uint32_t> surface;              ///< of each point: 0 to surfaceCount - 1
 	std::vector<std::array<std::uint32_t, 4>> quads; ///< points, counter-clockwise seen from outside the material
 	std::vector<double> restVolume;                  ///< inside of each surface, m^3: negative for a cavity
-	/// What the outer surfaces displace as a fraction of what they enclose: cells at the surface are not full. Where there are cavities,
-	/// half of what is not full lies on their side.
+	/// The volume displaced by the outer surfaces, as a fraction of the volume that they enclose: cells at the surface are not full. With
+	/// cavities, half of the missing fill is attributed to them.
 	double displaced = 1.0;
 
 	int pointCount() const { return int( restPosition.size() ); }

@@ -1,7 +1,7 @@
 #pragma once
 
 // Rows of samples and their crossings with the surface: exact in integers, so that a row crosses a closed surface equally often in both
-// directions whatever edges and corners it meets.
+// directions, also at edges and corners.
 
 #include "lattice/inside/grid.h"
 #include "lattice/inside/inside_field.h"

@@ -1,7 +1,7 @@
 #pragma once
 
-// A body whose cells form several unlinked parts: whatever is conserved or removed for a whole body (rigid motion, momentum, damping) is
-// conserved and removed for each part separately.
+// A body whose cells form several unlinked parts: quantities that are conserved or removed for a whole body (rigid motion, momentum,
+// damping) are conserved and removed for each part separately.
 
 #include <cstddef>
 #include <cstdint>

@@ -185,7 +185,7 @@ private:
 		}
 	}
 
-	/// Copies what fillRegion would compute again: it depends on the row alone.
+	/// Copies data that fillRegion would compute again: it depends on the row alone.
 	void copyRegions( const RegionTables& from, int old, int first, int end )
 	{
 		const auto copy = [old, first, end](

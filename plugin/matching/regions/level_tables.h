@@ -20,7 +20,7 @@ struct LevelBase
 {
 	Octree octree;
 	FineRegions fine;
-	FineMoments moments; ///< empty unless the settings ask for energies
+	FineMoments moments; ///< empty unless the settings require energies
 
 	/// As RegionTables::archiveNumbers.
 	void archiveNumbers( Archive& archive );

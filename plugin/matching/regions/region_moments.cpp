@@ -56,7 +56,7 @@ Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorFract
 namespace {
 
 /// A connected part whose inertia per mass is less than this, m^2, is a point: a nanometre squared, far above rounding in double and far
-/// below what floats resolve between two positions.
+/// below the distance that floats resolve between two positions.
 constexpr double kPointExtent = 1e-18;
 
 } // namespace

@@ -1,5 +1,5 @@
-// The numbers of the tables as bytes: they are measured from those before where links break, and differ in their last bits from tables that
-// are built anew.
+// The numbers of the tables as bytes: where links break they are computed from the previous ones, and differ in their last bits from
+// rebuilt tables.
 
 #include "archive/archive.h"
 #include "matching/regions/level_tables.h"

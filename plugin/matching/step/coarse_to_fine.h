@@ -46,7 +46,7 @@ public:
 	/// b and eta of region r, the region of block r, on level 1, 2 ...
 	double pull( int level, int r ) const { return m_levels[level - 1].weight[r]; }
 	double eta( int level, int r ) const { return m_levels[level - 1].eta[r]; }
-	/// Writes or reads what a substep leaves to the next.
+	/// Writes or reads the data that one substep passes to the next.
 	void archive( Archive& archive );
 	std::size_t bytes() const;
 

@@ -50,7 +50,7 @@ public:
 	/// Length of each of the two record arrays in `view`.
 	std::size_t recordFloats() const { return m_nodeRecord.size(); }
 
-	/// Replaces the regions after a change of nodes: node i takes over the history of its source, and plastic flow as `sources` says.
+	/// Replaces the regions after a change of nodes: node i takes over the history of its source, and plastic flow according to `sources`.
 	void setTables( std::shared_ptr<const RegionTables> tables, const FlowSources& sources );
 	/// Takes over the history and plastic flow of another body's regions: region i from region `source[i]`.
 	void inherit( const LatticeMatcher& from, const std::vector<std::uint32_t>& source );

@@ -50,7 +50,7 @@ public:
 	static Result<std::shared_ptr<const CellComplex>> build( const MeshView& mesh, const Lattice& lattice, const SkinBinding& skin,
 		const LatticeSettings& build, const CrackSettings& settings );
 
-	// // === Points: positions, independent of what is drawn there ===
+	// === Points: positions, independent of the drawing at them ===
 
 	std::vector<Vec3> pointRest;      ///< relative to the lattice's mass centre, m
 	Table cellsOfPoint;               ///< cells that draw something there, ascending
@@ -74,7 +74,7 @@ public:
 	std::vector<Origin> addedOrigin; ///< of vertex inputVertices + k
 	std::vector<Vec3> vertexNormal;  ///< at rest, interpolated as the renderer does; empty with Skinning::None
 
-	// === What a cell draws ===
+	// === The drawing of a cell ===
 
 	std::vector<std::uint32_t> cellTriangleStart;       ///< by cell: its pieces of the outer surface
 	std::vector<std::array<std::uint32_t, 3>> triangle; ///< vertices

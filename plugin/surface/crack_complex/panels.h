@@ -49,7 +49,7 @@ Panels findPanels( const MeshView& mesh, const CellComplex& complex );
 /// collinear.
 void drawPanel( const std::vector<std::uint32_t>& around, const std::array<std::size_t, 3>& cornerAt,
 	std::vector<std::array<std::uint32_t, 3>>& triangles );
-/// The same for a panel's border. `numberAt`: index of what is drawn at an entry of Panels::border, or kNone. `around`: scratch.
+/// The same for a panel's border. `numberAt`: index of the vertex drawn at an entry of Panels::border, or kNone. `around`: scratch.
 template <class NumberAt>
 void drawPanel( const Panels& panels, std::uint32_t panel, NumberAt&& numberAt, std::vector<std::uint32_t>& around,
 	std::vector<std::array<std::uint32_t, 3>>& triangles )

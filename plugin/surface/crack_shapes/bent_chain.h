@@ -15,7 +15,7 @@ std::vector<std::uint8_t> keepBent( const std::vector<Vec3d>& chain, double tole
 
 /// Simplifies the cuts of the surface on the faces. Where a cut lies within one triangle of the input, its points exist only because the
 /// surface was sampled for the noise: those that `keepBent` drops (`tolerance`: cells) are merged with the kept point before them. Such a
-/// point lies on one face only, so all who share it agree. `merged`: by point, its representative.
+/// point lies on one face only, so that everything that shares it agrees. `merged`: by point, its representative.
 void simplifyCuts(
 	const ClippedSurface& surface, const std::vector<FaceEdge>& edges, double tolerance, std::vector<std::uint32_t>& merged );
 

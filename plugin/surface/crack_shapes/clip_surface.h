@@ -69,7 +69,7 @@ struct LineCrossing
 struct ClippedSurface
 {
 	Eigen::Vector3i extent =
-		Eigen::Vector3i::Ones();  ///< number of positions along each axis; what lies outside belongs to the outermost position
+		Eigen::Vector3i::Ones();  ///< number of positions along each axis; points outside belong to the outermost position
 	std::vector<ClipPoint> point; ///< vertex i of the welded mesh is point i
 	ClipPolygons polygons;
 	std::vector<LineCrossing> lineCrossing;

@@ -240,7 +240,7 @@ std::vector<OutlinePart> groupLoops( const Loops& loops, const std::vector<Vec2d
 		{
 			continue;
 		}
-		// The middle of an edge is tested, because corners may lie on the outer loop.
+		// The midpoint of an edge is tested, because corners may lie on the outer loop.
 		const Vec2d middle = 0.5 * ( at[loops.start[i]] + at[loops.start[i] + 1] );
 		std::size_t holder = outers;
 		for ( std::size_t k = 0; k < outers; ++k )

@@ -65,7 +65,7 @@ public:
 	/// Moves points of the complex (ignores those of other bodies) to their positions on a blade's path.
 	void follow( const BladePath& path, const std::vector<std::uint32_t>& points );
 
-	// === What is drawn ===
+	// === The drawn surface ===
 
 	/// How vertices follow the body's cells, which are numbered as in cells(). Valid after updateBinding(). Weights sum to 1; unused
 	/// entries of a row have weight 0.
@@ -77,7 +77,8 @@ public:
 	std::uint32_t inputVertexOf( std::uint32_t vertex ) const;
 	/// A vertex of the complex; kInside and above for a vertex of a crack face.
 	std::uint32_t kindOf( std::uint32_t vertex ) const { return m_vertex[vertex].kind; }
-	/// A point of the complex and one of its sides. Vertices of equal result coincide, whatever their normals and texture coordinates.
+	/// A point of the complex and one of its sides. Vertices of equal result coincide, although their normals and texture coordinates may
+	/// differ.
 	std::pair<std::uint32_t, std::uint32_t> sideOf( std::uint32_t vertex ) const;
 	/// Writes u, v of the vertices from `first` on. Outside as in the input (0 where it has none); inside by position, with period
 	/// CrackSettings::textureTile.
@@ -99,7 +100,7 @@ public:
 
 	/// Increases with every change.
 	std::uint64_t topologyVersion() const { return m_version; }
-	/// What the latest change touched: new vertices and triangles, and the triangles firstChanged .. lastChanged - 1.
+	/// Result of the latest change: new vertices and triangles, and the triangles firstChanged .. lastChanged - 1.
 	struct Change
 	{
 		std::uint32_t firstNewVertex = 0;

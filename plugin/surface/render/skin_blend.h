@@ -2,14 +2,14 @@
 
 // The maps of nodes between two steps, for a renderer that draws more often than the world steps.
 //
-// Between the states b and n of two steps lies the rigid motion that fits best, ( Q, c_b -> c_n ): the body's rotation by Q^t and the
-// straight way of its centre. What remains is linear in t, in the frame that moves along:
+// Between the states b and n of two steps lies the best-fitting rigid motion, ( Q, c_b -> c_n ): the body's rotation by Q^t and the motion
+// of its centre along a line. The remainder is linear in t, in the moving frame:
 //
 //     F( t ) = Q^t ( ( 1 - t ) F_b + t Q^-1 F_n )
 //     s( t ) = c( t ) + Q^t ( ( 1 - t )( s_b - c_b ) + t Q^-1 ( s_n - c_n ) ),   c( t ) = ( 1 - t ) c_b + t c_n
 //
-// of maps x = F X + s. A body that turns keeps its size, as Bullet's rigid bodies do; blending x alone would shrink it. The cubes of nodes
-// count with their moments in the fit, so it is never undetermined.
+// of maps x = F X + s. A rotating body keeps its size, as Bullet's rigid bodies do; blending x alone would shrink it. The cubes of nodes
+// count with their moments in the fit, so that it is never undetermined.
 
 #include "matching/node_state.h"
 
@@ -33,7 +33,7 @@ public:
 	/// The same for a change of levels that moves maps from `before` to `now` at once: the kept ones move by as much, so that the surface,
 	/// with the offsets that undo that, stays where it was.
 	void followLevels( const std::vector<std::uint32_t>& source, const AlignedArray<float>& before, const AlignedArray<float>& now );
-	/// What a piece keeps: of nodes `source` of this body.
+	/// The maps of a piece: of nodes `source` of this body.
 	SkinBlend ofPiece( const std::vector<std::uint32_t>& source, const Eigen::Vector3d& shift ) const;
 
 	/// Writes the maps at `fraction` (0: kept, 1: `maps`) of the nodes' present maps. `cell`: edge of a finest cell, m.

@@ -23,7 +23,7 @@ SkinMix mixOf( const SkinBinding::Placed& placed )
 	return mix;
 }
 
-/// A mix for each interpolated vertex, at its place of before where it had one. Returns the places by vertex, kSkinNone for all others.
+/// A mix for each interpolated vertex, at its former index if it had one. Returns the indices by vertex, kSkinNone for all others.
 std::vector<std::uint32_t> takeMixes( const SkinBinding& binding, const std::vector<SkinVertex>* before, std::vector<SkinMix>& mixes )
 {
 	std::vector<std::uint32_t> place( binding.placed.empty() ? 0 : binding.restPosition.size(), kSkinNone );
@@ -62,8 +62,8 @@ void writeVertices( const SkinBinding& binding, const std::vector<std::uint32_t>
 	}
 }
 
-/// Corners of the triangles that count for normals, each in the list of its group. Pieces and panels that a growing surface may shade
-/// later have a place too, so that a crack changes few entries.
+/// Corners of the triangles that count for normals, each in the list of its group. Pieces and panels that a growing surface may shade later
+/// have an index too, so that a crack changes few entries.
 void writeCorners( const SkinBinding& binding, const SkinTriangles& triangles, SkinTables& tables )
 {
 	const std::size_t shading = binding.shading.size();

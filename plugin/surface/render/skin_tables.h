@@ -15,7 +15,7 @@ namespace pliant {
 /// Blocks of an array that are compared as a whole, entries.
 inline constexpr std::size_t kStreamBlock = 16;
 
-/// An array as it was published last, and what the last change was.
+/// An array as it was last published, and the last change.
 template <class T>
 class SkinStream
 {
@@ -89,11 +89,11 @@ struct SkinTables
 };
 
 /// Tables of a binding and its drawn triangles. `before`: vertices and mixes of the same surface with fewer cracks, whose mixes keep their
-/// places; null: none. Mixes that are no longer used stay as they were.
+/// indices; null: none. Mixes that are no longer used keep their values.
 SkinTables makeSkinTables( const SkinBinding& binding, const SkinTriangles& triangles,
 	const std::vector<SkinVertex>* verticesBefore = nullptr, const std::vector<SkinMix>* mixesBefore = nullptr );
 
-/// What one body publishes.
+/// The published data of one body.
 class SkinTableStreams
 {
 public:

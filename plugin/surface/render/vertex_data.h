@@ -1,6 +1,6 @@
 #pragma once
 
-// What vertices come from, and tangents: attributes that are computed when they are asked for.
+// Sources of vertices, and tangents: attributes that are computed on request.
 
 #include "pliant/render/vertex_source.h"
 #include "surface/crack_mesh/crack_view.h"
@@ -23,7 +23,7 @@ struct VertexData
 	unsigned tangentFrame = 0;                   ///< of `tangents`
 };
 
-/// What the vertices of a cracked surface come from. The view must have kinds.
+/// The sources of the vertices of a cracked surface. The view must have kinds.
 std::vector<VertexSource> sourcesOf( const CrackView& cracks, const CellComplex& complex );
 
 /// Tangents of the input's vertices from its texture coordinates, 4 floats per vertex: along the surface in the direction of growing u,
@@ -34,7 +34,7 @@ std::vector<float> tangentsFromTexture(
 /// Tangents of a cracked surface from those of the input's vertices.
 std::vector<float> crackTangents( const CrackView& cracks, const std::vector<VertexSource>& sources, const float* input );
 
-/// Turns rest tangents as the nodes' maps move the vertices, at a right angle to `normals` (3 floats per vertex).
+/// Rotates rest tangents as the nodes' maps move the vertices, at a right angle to `normals` (3 floats per vertex).
 void turnTangents( const SkinBinding& binding, const SkinPose& pose, const std::vector<float>& rest, const float* normals,
 	std::vector<float>& tangents, TaskRunner* runner );
 

@@ -33,7 +33,7 @@ private:
 	void search( std::size_t first, std::size_t last, int axis, const Vec3d& point, Best& best ) const;
 
 	const Lattice& m_lattice;
-	std::vector<std::uint32_t> m_order; ///< the middle of each range splits it, along x, y, z in turn
+	std::vector<std::uint32_t> m_order; ///< the median of each range splits it, along x, y, z in turn
 };
 
 class CellFinder

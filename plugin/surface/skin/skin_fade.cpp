@@ -10,8 +10,8 @@ namespace pliant {
 
 namespace {
 
-/// Largest displacement of a vertex by a fade in one frame, as a fraction of the surface's diagonal: half of what a change of levels may
-/// cause.
+/// Largest displacement of a vertex by a fade in one frame, as a fraction of the surface's diagonal: half of the limit for a change of
+/// levels.
 constexpr double kFadeStep = 5e-4;
 
 /// Frames of the shortest fade: a tenth of a second.
@@ -101,7 +101,7 @@ void SkinFade::keep( const NodeState& nodes, const SkinPose& pose, int cellCount
 	m_slotBefore.assign( pose.slotOfCell, pose.slotOfCell + cellCount );
 }
 
-/// Slots whose maps may have changed: nodes measured anew, and members of groups, which may have ended.
+/// Slots whose maps may have changed: nodes measured again, and members of groups, which may have ended.
 std::vector<char> SkinFade::changeableSlots( const Nodes& nodes ) const
 {
 	std::vector<char> mayDiffer( std::size_t( nodes.now.count ), nodes.measured ? 0 : 1 );

@@ -54,7 +54,7 @@ public:
 	bool hasOffsets() const { return !m_vertex.empty(); }
 	/// Writes the offset of each vertex, in the body's frame and before it fades: that of its carrier.
 	void spread( const SkinBinding& binding, std::vector<SkinOffset>& offsets ) const;
-	/// What turns offsets into the world and lets them fade.
+	/// Factor that rotates offsets into the world and lets them fade.
 	Eigen::Matrix3f offsetTurn( const Eigen::Quaternionf& body ) const { return fraction() * body.toRotationMatrix(); }
 	/// After `start`: the maps before the change, and those after it at the same positions.
 	const AlignedArray<float>& mapsBefore() const { return m_mapBefore; }

@@ -59,7 +59,7 @@ struct SkinBinding
 
 	/// Fills `blended`.
 	void listBlended();
-	/// Writes or reads a template's binding to `cells` cells; what only cracks have is not stored.
+	/// Writes or reads a template's binding to `cells` cells; data for cracks only is not stored.
 	void archive( Archive& archive, std::size_t vertices, std::size_t cells );
 	Vec3 normalShiftOf( std::size_t vertex ) const { return vertex < normalShift.size() ? normalShift[vertex] : Vec3( Vec3::Zero() ); }
 	std::uint32_t carrierOf( std::size_t vertex ) const { return carrier.empty() ? std::uint32_t( vertex ) : carrier[vertex]; }

@@ -16,7 +16,7 @@ class SoftBodySystem;
 bool drawSoftBody(
 	const SoftBodySystem& bodies, const btCollisionShape* shape, const btVector3& colour, btIDebugDraw& drawer, const DebugDrawing& what );
 
-/// Draws what is not part of a body: pins, attachments, contacts.
+/// Draws the parts outside of bodies: pins, attachments, contacts.
 void drawBetweenBodies( const SoftBodySystem& bodies, btIDebugDraw& drawer, const DebugDrawing& what );
 
 } // namespace pliant

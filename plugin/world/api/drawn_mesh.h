@@ -1,6 +1,6 @@
 #pragma once
 
-// What the skins of a body have in common, whether of its template's mesh or of another.
+// Common to the skins of a body, of its template's mesh and of further meshes.
 
 #include "pliant/render/gpu_surface.h"
 #include "world/bodies/soft_body_impl.h"
@@ -24,13 +24,13 @@ struct DrawnMesh
 	const SkinBinding& binding;
 	SkinTriangles triangles;
 	std::shared_ptr<const SkinTables> whole; ///< null: the body is cracked
-	bool grows = false;                      ///< the cracked surface grows from one call to the next, at the same place
+	bool grows = false;                      ///< the cracked surface grows from one call to the next, at the same address
 	bool hasOffsets = true;                  ///< those of the body's fade
 	const float* texture = nullptr;
 	const std::uint32_t* sources = nullptr;
 };
 
-/// Brings tables and transforms up to date.
+/// Updates tables and transforms.
 GpuSurfaceView gpuView( const SoftBody::Impl& impl, const DrawnMesh& mesh, GpuSkin& gpu );
 
 } // namespace pliant

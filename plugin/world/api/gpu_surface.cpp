@@ -45,7 +45,7 @@ void SoftBody::Impl::keepDrawn( bool moves )
 	StepBlend& blend = *skin.blend;
 	if ( !moves || bodyTemplate->skin().kind == Skinning::None )
 	{
-		blend.kept.forget(); // surface() sees by drawnFraction() that it shows another time
+		blend.kept.forget(); // surface() recognises by drawnFraction() that another time is shown
 		return;
 	}
 	if ( !skin.isMapKnown )
@@ -59,7 +59,7 @@ void SoftBody::Impl::keepDrawn( bool moves )
 
 namespace {
 
-/// Brings the tables up to date with cracks and levels.
+/// Updates the tables after cracks and changes of levels.
 void updateTables( const SoftBody::Impl& impl, const DrawnMesh& mesh, GpuSkin& gpu )
 {
 	const bool isNew = !gpu.isShown || gpu.fractureVersion != shownVersion( impl );

@@ -24,7 +24,7 @@ struct RenderMesh::Data
 	std::vector<std::uint32_t> indices;
 	SkinBinding binding;
 
-	// Made when they are asked for.
+	// Made on request.
 	mutable std::mutex mutex;
 	mutable std::shared_ptr<const SkinTables> tables;
 	mutable bool hasTriedCracks = false;
@@ -132,7 +132,7 @@ struct RenderSkin::Impl
 	CrackView cracks;
 	bool isShown = false, isCracked = false, areSourcesKnown = false;
 	unsigned fractureVersion = 0;    ///< of the body, as it is drawn
-	const SoftBody* shown = nullptr; ///< compared only: it may be gone
+	const SoftBody* shown = nullptr; ///< compared only: it may have been deleted
 	int cellCount = 0;               ///< of that body
 	std::vector<float> positions[2], normals[2];
 	btVector3 origin = btVector3( 0, 0, 0 );
@@ -150,7 +150,7 @@ struct RenderSkin::Impl
 						 : mesh->data().triangles();
 	}
 
-	/// Brings cracks up to date. False where nothing can be drawn.
+	/// Updates the cracks. False if nothing can be drawn.
 	bool follow( const SoftBody& body )
 	{
 		const SoftBody::Impl& impl = body.impl();

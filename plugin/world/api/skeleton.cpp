@@ -21,7 +21,7 @@ Status checkSettings( const char* call, const PoseSettings& settings )
 		: Status{ ResultCode::BadSettings, std::string( call ) + ": the frequency must be above 0 and the damping ratio 0 to 10." };
 }
 
-/// Fills what does not depend on bones.
+/// Fills the data that does not depend on bones.
 Status paint( const char* call, const Lattice& lattice, const PoseSettings& settings, PoseModel& model )
 {
 	for ( std::size_t cell = 0; cell < lattice.fill.size(); ++cell )
@@ -44,7 +44,7 @@ Status paint( const char* call, const Lattice& lattice, const PoseSettings& sett
 	return {};
 }
 
-/// Reads the vertices' weights; refuses what is no number, no bone, or adds up to nothing.
+/// Reads the vertices' weights; refuses bad numbers, bones out of range, and weights with the sum 0.
 Status readWeights( const SkinWeights& given, std::vector<PoseModel::Weights>& vertices )
 {
 	for ( int v = 0; v < given.vertexCount; ++v )

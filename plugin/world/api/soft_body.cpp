@@ -33,7 +33,7 @@ void SoftBody::Impl::finish( SoftBody& owner )
 	shape = std::make_unique<NodeShape>( *body );
 	proxyOfNode.assign( std::size_t( body->nodeCount() ), nullptr );
 	owner.m_internalType = kInternalType;
-	owner.m_collisionFlags &= ~CF_STATIC_OBJECT; // Bullet's objects are born static
+	owner.m_collisionFlags &= ~CF_STATIC_OBJECT; // Bullet's objects are static initially
 	owner.internalSetExtensionPointer( const_cast<char*>( &kSoftBodyMark ) );
 	queried = std::make_unique<BodyShape>( owner );
 	owner.setCollisionShape( queried.get() );

@@ -24,7 +24,7 @@ void SoftBodyHost::hostDetach()
 	m_step->leave();
 }
 
-// === What games call ===
+// === Calls of games ===
 
 void SoftBodyHost::addSoftBody( SoftBody* body, int group, int mask )
 {
@@ -147,7 +147,7 @@ const DebugDrawing& SoftBodyHost::debugDrawing() const
 	return m_step->bodies.drawing;
 }
 
-// === What the world's overrides call ===
+// === Calls of the world's overrides ===
 
 void SoftBodyHost::singleStep( btScalar timeStep )
 {

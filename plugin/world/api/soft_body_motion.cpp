@@ -1,4 +1,4 @@
-// What the game does to a body: velocities, forces, impulses, gravity, positions. Each is refused if a number is bad, and then changes
+// Calls of the game on a body: velocities, forces, impulses, gravity, positions. Each is refused if a number is bad, and then changes
 // nothing.
 
 #include "matching/constants.h"
@@ -16,7 +16,7 @@ const char* const kNoSuchNode = "there is no node of this number.";
 const char* const kNotFinite = "a number is not finite.";
 const char* const kTooFast = "a node would be faster than 1e5 m/s.";
 
-/// The acceleration that takes a node to the limit of speed within a frame, m/s^2.
+/// The acceleration that takes a node to the limit of velocity within a frame, m/s^2.
 constexpr btScalar kMostAcceleration = btScalar( kSpeedLimit ) / kNominalStep;
 
 /// Forces and gravity.
@@ -250,7 +250,7 @@ Status SoftBody::reset( const btTransform& transform )
 	}
 	m_impl->isHealthy = true;
 	m_impl->skin.fade.clear();
-	activate( true ); // leaves alone what the game has set for good
+	activate( true ); // keeps a permanent activation state that the game has set
 	hasMoved();
 	return {};
 }

@@ -224,8 +224,8 @@ void SoftBody::Impl::skinInFull( TaskRunner* runner ) const
 	}
 }
 
-// Not a copy of the shown skin: that may be of a step before (setSurfaceTolerance) or lie between two (setInterpolation), and what a query
-// meets must not depend on what has been drawn.
+// Not a copy of the shown skin, which may be that of an earlier step (setSurfaceTolerance) or lie between two steps (setInterpolation): the
+// result of a query must not depend on the drawing.
 bool SoftBody::Impl::placeDrawn( std::vector<float>& positions, std::vector<float>& normals, SkinTriangles& triangles ) const
 {
 	const SkinBinding& shown = binding();

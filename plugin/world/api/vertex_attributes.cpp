@@ -1,4 +1,4 @@
-// What vertices come from, and tangents.
+// Sources of vertices, and tangents.
 
 #include "pliant/render/vertex_attributes.h"
 

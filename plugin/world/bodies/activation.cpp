@@ -1,6 +1,6 @@
 // Deactivation and wake-up of soft bodies, with Bullet's timers.
 //
-// Speed is measured against the body's size and gravity: v^2 against 2 g r, r the radius of its smallest node. The residual errors of a
+// Velocities are compared with the body's size and gravity: v^2 with 2 g r, r the radius of its smallest node. The residual errors of a
 // solver with few iterations push resting bodies to and fro, most of all in heaps of single cells: one of two hundred is always faster than
 // any limit that separates moving from resting. A somewhat faster body may therefore sleep too if none of its nodes leaves its position.
 
@@ -83,7 +83,7 @@ double largestMeanSquareSpeed( const SoftBody::Impl& impl )
 /// Returns true if the body's deactivation timer may run.
 bool isAtRest( SoftBody::Impl& impl, double gravity )
 {
-	if ( impl.rigidProxy ) // as Bullet's rigid bodies, but what is small may turn faster
+	if ( impl.rigidProxy ) // as Bullet's rigid bodies, but small bodies may rotate faster
 	{
 		const RigidMotion& motion = impl.body->rigidState()->motion;
 		btVector3 centre;
@@ -116,7 +116,7 @@ void SoftBodySystem::wakeDriven()
 			body->activate();
 		}
 	}
-	for ( Frame& frame : frames.all() ) // the game has woken it, say to start a motor
+	for ( Frame& frame : frames.all() ) // the game has woken it, for example to start a motor
 	{
 		if ( frame.body && frame.rigid->isActive() && !frame.body->isActive() )
 		{

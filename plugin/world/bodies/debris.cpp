@@ -9,7 +9,7 @@
 
 namespace pliant {
 
-// Called at the start of a game step. Pieces that fade already count as gone, so that none fades for their sake.
+// Called at the start of a game step. Pieces that fade already count as removed, so that no others fade instead of them.
 void SoftBodySystem::limitDebris( btScalar gameStep )
 {
 	m_clock += double( gameStep );
@@ -58,7 +58,7 @@ void SoftBodySystem::limitDebris( btScalar gameStep )
 	}
 }
 
-/// Largest number of parts that body `k` of `count` breaking bodies may become in this substep: an equal share of the step's budget.
+/// Largest number of parts that body `k` of `count` breaking bodies may become in this substep: an equal part of the step's budget.
 int SoftBodySystem::partsNow( int k, int count ) const
 {
 	if ( debris.piecesPerStep == 0 )

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the two source files of frames share.
+// Common to the two source files of frames.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/joints/frames.h"

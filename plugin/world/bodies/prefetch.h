@@ -63,7 +63,7 @@ inline void setWhole( btVector3& to, const btVector3& from )
 	setWhole( to, from.x(), from.y(), from.z() );
 }
 
-/// Calls visit( manifold ) for all manifolds of the dispatcher in order; fetch( manifold ) prefetches what `visit` reads.
+/// Calls visit( manifold ) for all manifolds of the dispatcher in order; fetch( manifold ) prefetches the data that `visit` reads.
 template <class Fetch, class Visit>
 void forEachManifold( btDispatcher& dispatcher, const Fetch& fetch, Visit&& visit )
 {

@@ -54,7 +54,7 @@ struct Pin
 	bool hasTarget = false;                 ///< Driven: the target has not been reached yet
 };
 
-/// What SoftBody::gpuSurface has published.
+/// The data published by SoftBody::gpuSurface.
 struct GpuSkin
 {
 	SkinTableStreams tables;
@@ -65,7 +65,7 @@ struct GpuSkin
 	double fraction = 1.0;              ///< between steps, of the frame
 };
 
-/// What SoftBody::setInterpolation needs.
+/// The data for SoftBody::setInterpolation.
 struct StepBlend
 {
 	SkinBlend kept;           ///< maps at the start of the last step
@@ -83,9 +83,9 @@ struct SkinBuffers
 	std::vector<float> rotations, gradients, flow;
 	std::vector<float> gradientsScratch;    ///< for changes of levels
 	AlignedArray<float> maps;               ///< SkinScratch::nodeMap of the shown skin
-	std::unique_ptr<GpuSkin> gpu;           ///< null: never asked for
+	std::unique_ptr<GpuSkin> gpu;           ///< null: never requested
 	std::unique_ptr<StepBlend> blend;       ///< null: no interpolation between steps
-	std::unique_ptr<VertexData> vertexData; ///< null: neither sources nor tangents were asked for
+	std::unique_ptr<VertexData> vertexData; ///< null: neither sources nor tangents were requested
 	double fraction = 1.0;                  ///< between steps, of the shown skin
 	SkinFade fade;                          ///< for bodies with levels
 	RigidSkin rigid;
@@ -103,7 +103,7 @@ struct SkinBuffers
 
 	/// Whether the surface has ever been read, by whichever call.
 	bool isRead() const { return frame > 0 || gpu; }
-	/// The body has been moved at once: nothing lies between its last two positions.
+	/// The body has been moved instantaneously: nothing lies between its last two positions.
 	void jumped()
 	{
 		nodesMoved();
@@ -185,7 +185,7 @@ struct SoftBody::Impl
 	bool hasNodeForces = false;
 	std::unique_ptr<SurfaceForces> forces;              ///< null: none has been needed
 	btVector3 fieldAcceleration = btVector3( 0, 0, 0 ); ///< the mean of force fields, m/s^2
-	std::unique_ptr<ContactRecords> contactRecords;     ///< null: no contact events are wanted
+	std::unique_ptr<ContactRecords> contactRecords;     ///< null: no contact events are requested
 
 	std::unique_ptr<RigidProxy> rigidProxy; ///< null while the body deforms
 	RigidLoad rigidLoad;
@@ -204,7 +204,7 @@ struct SoftBody::Impl
 	Fading fading;
 	double separatedAt = 0.0;                      ///< time of the world at which the piece came off, s
 	bool isKept = false;                           ///< the world's DebrisBudget leaves it alone
-	bool partsWait = false;                        ///< it is in several parts, which the step's budget of pieces did not let come off
+	bool partsWait = false;                        ///< it is in several parts that the step's budget of pieces has kept together
 	std::unique_ptr<NodeShape> previousShape;      ///< contact proxies of lost nodes point to its spheres until the next collision phase
 	std::shared_ptr<SharedCrackState> crackFamily; ///< null: it was not drawn when it broke, or links were healed
 	std::vector<CutTrace> newCuts;                 ///< cuts whose links are to break
@@ -222,7 +222,7 @@ struct SoftBody::Impl
 	unsigned placements = 0;                ///< count of placements
 	unsigned numbering = 0;                 ///< count of renumberings of nodes
 	unsigned versionShift = 0;              ///< of the versions that the game sees: a restored body has none that it had before
-	/// A node (with Adaptivity::refinesOnContact) near another object in this substep, and what is requested for it.
+	/// A node (with Adaptivity::refinesOnContact) near another object in this substep, and the request for it.
 	struct Near
 	{
 		enum class Request : unsigned char
@@ -292,7 +292,7 @@ struct SoftBody::Impl
 	bool isSkinStale() const { return skin.isStale || skin.fraction != drawnFraction(); }
 	/// Returns the maps of the nodes as they are drawn, computed if necessary. Valid until the next call.
 	const AlignedArray<float>& drawnMaps( TaskRunner* runner ) const;
-	/// Call at the start of a game step, with interpolation: keeps what is drawn now. `moves`: the body takes part in the step.
+	/// Call at the start of a game step, with interpolation: keeps the present drawing. `moves`: the body takes part in the step.
 	void keepDrawn( bool moves );
 	/// Call before and after a change of levels: saves the surface if it is drawn, then starts to fade out its jump.
 	void keepSurface();
@@ -309,14 +309,14 @@ struct SoftBody::Impl
 	void drawSkin( TaskRunner* runner ) const;
 	bool rotateSkin( TaskRunner* runner ) const; ///< the same for nodes that have moved rigidly; returns false if they have not
 	void skinInFull( TaskRunner* runner ) const;
-	/// Fills positions, relative to the nodes' origin, m, and normals of what `surface` shows, and its triangles. False where it shows
-	/// none.
+	/// Fills positions, relative to the nodes' origin, m, and normals of the surface that `surface` shows, and its triangles. False if it
+	/// shows none.
 	bool placeDrawn( std::vector<float>& positions, std::vector<float>& normals, SkinTriangles& triangles ) const;
 	bool hasNewCracks() const;
 	void showOwnCracks() const;
 	void drawCracks( TaskRunner* runner = nullptr ) const;
 	void drawFamilyCracks() const;
-	/// Makes the shown cracks tell what their vertices come from (CrackView::kindOf).
+	/// Lets the shown cracks record the sources of their vertices (CrackView::kindOf).
 	void wantKinds() const;
 	bool isDrawn() const { return wasDrawn || skin.isRead(); }
 	/// Adds the new cuts to those of the family. Call before adopt().
@@ -335,16 +335,16 @@ struct SoftBody::Impl
 	};
 	/// Thread-safe for different bodies and concurrently with makeFragment.
 	Remains remainsOf( const BodyPiece& piece );
-	/// Turns the body into its remainder.
+	/// Changes the body into its remainder.
 	void adopt( SoftBody& owner, BodyPiece& piece, Remains remains );
 	static std::unique_ptr<SoftBody> makeFragment( const SoftBody& parent, BodyPiece& piece );
 
-	// Saving (world/io/impl_archive.cpp).
-	/// Writes or reads what the body is made of: the core and its spheres. Reading needs a new body of this template.
+	// Saving (world/io/impl_archive.cpp). Writes or reads the data from which the body is made: the core and its spheres. Reading needs a
+	// new body of this template.
 	void archiveMake( Archive& archive );
-	/// Writes or reads all that changes from step to step, but what refers to other objects.
+	/// Writes or reads all data that changes from step to step, except references to other objects.
 	void archiveState( Archive& archive );
-	/// Makes this the implementation of a body, in place of the one that it has, if any, whose buffers for drawing it takes over.
+	/// Makes this the implementation of a body instead of its present one, if any, whose buffers for drawing it takes over.
 	static void install( SoftBody& owner, std::unique_ptr<Impl> impl );
 	static std::unique_ptr<SoftBody> blank() { return std::unique_ptr<SoftBody>( new SoftBody ); }
 	/// Completes a body whose core exists.

@@ -1,4 +1,4 @@
-// What a collision phase leaves to the next, as a snapshot takes and gives it.
+// The data that one collision phase passes to the next, in snapshots.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/detect/node_contacts.h"

@@ -167,7 +167,7 @@ void PairContacts::processSelf( SoftBody& soft, SelfSearch& search, double step 
 	matchHits( Pair{ &soft, &soft, nullptr, true }, search.find( soft, step ) );
 }
 
-// While contacts are matched, callbacks of the game may remove any object: `matching` tells whether this pair still exists.
+// While contacts are matched, callbacks of the game may remove any object: `matching` is this pair as long as it exists.
 
 void PairContacts::startMatching()
 {

@@ -60,7 +60,7 @@ public:
 	void meet( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step );
 	/// Processes the pair if it was postponed and still exists.
 	void processPostponed();
-	/// Orders postponed pairs by their objects, whatever threads have met them.
+	/// Orders postponed pairs by their objects, independently of the threads that found them.
 	static bool areInOrder( const PairContacts* a, const PairContacts* b );
 	/// Finds a body's contacts with itself.
 	void processSelf( SoftBody& soft, SelfSearch& search, double step );
@@ -69,7 +69,7 @@ public:
 	void collectManifolds( btManifoldArray& manifolds ) const;
 	/// Null where there is none.
 	const btPersistentManifold* anyManifold() const { return m_contacts.empty() ? nullptr : m_contacts.front().manifold; }
-	/// What a collision phase leaves to the next, beside the manifolds.
+	/// The data that one collision phase passes to the next, in addition to the manifolds.
 	struct Carried
 	{
 		bool isNew = true, wasProcessed = false;
@@ -119,12 +119,13 @@ private:
 	PairScratch& m_scratch;
 	std::vector<NodeContact> m_contacts;
 	Parting m_parting;
-	bool m_isNew = true;              ///< not processed yet
-	const void* m_nextPair = nullptr; ///< processed after it in the last phase: prefetched but never dereferenced, as it may be gone
-	unsigned m_numbering = 0;         ///< of both bodies, when their nodes were last followed
-	unsigned m_phase = 0;             ///< collision phase in which it was last processed
-	std::size_t m_position;           ///< index in PairScratch::all; kNotListed before it was first processed
-	/// What the dispatcher called it with, until it is processed; null where it is not postponed.
+	bool m_isNew = true; ///< not processed yet
+	const void* m_nextPair =
+		nullptr;              ///< processed after it in the last phase: prefetched but never dereferenced, as it may have been deleted
+	unsigned m_numbering = 0; ///< of both bodies, when their nodes were last followed
+	unsigned m_phase = 0;     ///< collision phase in which it was last processed
+	std::size_t m_position;   ///< index in PairScratch::all; kNotListed before it was first processed
+	/// The dispatcher's arguments, until the pair is processed; null if it is not postponed.
 	const btCollisionObject* m_postponed[2] = { nullptr, nullptr };
 	double m_postponedStep = 0.0; ///< s
 };

@@ -36,8 +36,8 @@ void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentMa
 			const btVector3 at = side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
 			ContactProxy* const proxy = pool.acquire( *soft, soft->nearestNode( at ) );
 			m_predictive.push_back( proxy );
-			// Bullet takes the centre of the fast body for the contact point on it. The impulse acts at the node: whatever it rotates must
-			// have the same lever arm, or spin is lost. The position before MovedContacts::moveToNodes:
+			// Bullet uses the centre of the fast body as the contact point on it. The impulse acts at the node: every body that it rotates
+			// must have the same lever arm, or angular momentum is lost. The position before MovedContacts::moveToNodes:
 			const btScalar outward = soft->nodeRadius( proxy->node ) + point.m_distance1;
 			if ( side == 0 )
 			{

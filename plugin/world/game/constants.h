@@ -11,7 +11,7 @@ namespace pliant {
 /// Largest pressure of a gas, Pa: ten thousand atmospheres, above which nothing that the library simulates holds.
 inline constexpr btScalar kMostPressure = btScalar( 1e9 );
 
-/// Largest speed of wind and water, m/s: three times that of sound in air, where drag has another law.
+/// Largest velocity of wind and water, m/s: three times that of sound in air, where drag has another law.
 inline constexpr btScalar kMostFlow = btScalar( 1000 );
 
 /// Largest densities of wind and water, kg/m^3: beyond the heaviest gases and liquids.
@@ -23,7 +23,7 @@ inline constexpr btScalar kMostDrag = btScalar( 100 );
 /// Largest exponent of an explosion's falloff: beyond it nothing but the centre is hit.
 inline constexpr btScalar kMostFalloff = btScalar( 10 );
 
-/// Directions in which the outline of a rigid shape is sampled: the area of a sphere's comes out 2.6 % too small.
+/// Directions in which the outline of a rigid shape is sampled: the area of a sphere is then 2.6 % too small.
 inline constexpr int kOutlineDirections = 16;
 
 /// A leaf of the tree over a surface's triangles: few enough that testing them all costs as much as one more level.

@@ -24,7 +24,7 @@ btCollisionObject* bodyOf( const btCollisionObject* side )
 	return soft ? soft : const_cast<btCollisionObject*>( side );
 }
 
-/// Null where there is none. The manifolds of a pair come one after another, so the last one is looked at first.
+/// Null if there is none. The manifolds of a pair come one after another, so the last one is tested first.
 ContactRecord* findRecord( ContactRecords& records, const btCollisionObject* other )
 {
 	if ( !records.all.empty() && records.all.back().other == other )
@@ -36,7 +36,7 @@ ContactRecord* findRecord( ContactRecords& records, const btCollisionObject* oth
 	return found == records.all.end() ? nullptr : &*found;
 }
 
-/// Calls visit( body, other, is the body the manifold's first ) for each side that wants to know.
+/// Calls visit( body, other, is the body the manifold's first ) for each body of the manifold with contact events.
 template <class F>
 void forSides( const btPersistentManifold& manifold, F&& visit )
 {

@@ -13,7 +13,7 @@ class btPersistentManifold;
 
 namespace pliant {
 
-/// What one body touches.
+/// The contacts of one body.
 struct ContactRecord
 {
 	btCollisionObject* other = nullptr;
@@ -33,7 +33,7 @@ struct ContactRecords
 class ContactEvents
 {
 public:
-	/// After a pass is solved: adds up what `dispatcher` lists. Costs nothing while no body of `bodies` has records.
+	/// After a pass is solved: sums the contacts of `dispatcher`. Costs nothing while no body of `bodies` has records.
 	void add( btDispatcher& dispatcher, const std::vector<SoftBody*>& bodies );
 	/// After a game step: makes its events. `dispatcher` lists all manifolds.
 	void endStep( btDispatcher& dispatcher, const std::vector<SoftBody*>& bodies, const btCollisionWorld& world );

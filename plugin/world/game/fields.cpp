@@ -36,7 +36,7 @@ Status check( const WaterSettings& settings )
 	return isGood ? Status{} : Status{ ResultCode::BadSettings, "Water: a setting is out of range." };
 }
 
-/// What flows against a surface from its outside.
+/// Velocity of the fluid against a surface from its outside.
 struct Flow
 {
 	btVector3 velocity; ///< m/s
@@ -155,8 +155,8 @@ btVector3 Water::surfaceForce( const SurfacePoint& point ) const
 	return isUnder ? forceOf( flow, point ) : btVector3( 0, 0, 0 );
 }
 
-// The weight of the displaced water. Pressure on the surface comes to the same force, but would squeeze materials whose Poisson number is
-// far below that of rubber.
+// The weight of the displaced water. Pressure on the surface would give the same force, but squeeze materials whose Poisson number is far
+// below that of rubber.
 btVector3 Water::volumeForce( const VolumePoint& point ) const
 {
 	const btScalar depth = ( m_settings.surface - point.position ).dot( m_up );

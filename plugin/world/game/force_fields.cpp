@@ -100,7 +100,7 @@ void ForceFields::pushRigid()
 			continue;
 		}
 		const btVector3 force = accelerationAt( *body, body->getCenterOfMassPosition() ) / body->getInvMass();
-		if ( !force.isZero() && isFinite( force ) ) // what a game's field returns
+		if ( !force.isZero() && isFinite( force ) ) // values that a game's field returns
 		{
 			body->applyCentralForce( force );
 			m_given.push_back( Given{ body, force } );
@@ -160,7 +160,7 @@ btVector3 ForceFields::volumeForceAt( const SoftBody& body, const VolumePoint& p
 	return sum;
 }
 
-// A cavity displaces what its volume does; the force acts on its wall.
+// A cavity displaces fluid by its volume; the force acts on its wall.
 void ForceFields::pushCavities( const SoftBody& body, const btVector3& gravity, SurfaceForces& forces ) const
 {
 	const Body& core = *body.impl().body;

@@ -23,7 +23,7 @@ struct GasCavity
 	int surface = -1;                 ///< in the present boundary
 };
 
-/// What a body keeps for forces on its surface; made when it first needs it.
+/// The data of a body for forces on its surface; made when it is first needed.
 struct SurfaceForces
 {
 	BodyBoundary boundary;
@@ -50,8 +50,9 @@ struct SurfaceForces
 	void findCavities( const Body& body, unsigned version, bool isNew );
 
 private:
-	Vec3d m_missing = Vec3d::Zero();                        ///< torque about the mass centre that the nodes' forces lack, N m
-	Vec3d m_centre = Vec3d::Zero(), m_turn = Vec3d::Zero(); ///< mass centre, m, and what the torque does to the whole body, 1/s^2
+	Vec3d m_missing = Vec3d::Zero(); ///< torque about the mass centre that the nodes' forces lack, N m
+	Vec3d m_centre = Vec3d::Zero(),
+		  m_turn = Vec3d::Zero(); ///< mass centre, m, and angular acceleration of the whole body by the torque, 1/s^2
 };
 
 class ForceFields
@@ -62,9 +63,9 @@ public:
 
 	/// Returns false if the field is in a world already.
 	bool add( ForceField& field );
-	/// Returns false if it is not in this one. What it acted on wakes.
+	/// Returns false if it is not in this world. Bodies that it acted on wake.
 	bool remove( ForceField& field );
-	/// The same for one that is being destroyed: it cannot be asked any more what it acted on.
+	/// The same for a field that is being destroyed: its `actsOn` cannot be called any more.
 	void leave( ForceField& field );
 	int count() const { return int( m_fields.size() ); }
 	void wake( const ForceField& field );

@@ -1,4 +1,4 @@
-// Gas in the cavities of a hollow body. A cavity that a crack has opened is none any more, and its gas is gone.
+// Gas in the cavities of a hollow body. Once a crack has opened a cavity, its gas is gone.
 
 #include "lattice/ranges.h"
 #include "world/bodies/placing.h"

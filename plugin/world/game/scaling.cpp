@@ -61,7 +61,7 @@ Status SoftBody::setScale( btScalar scale )
 		std::iota( same.begin(), same.end(), 0u );
 		auto shape = std::make_unique<NodeShape>( *impl.body );
 		auto self = impl.self ? std::make_unique<SelfCollision>() : nullptr;
-		ContactProxyPool::renumber( *this, same, count ); // contacts look at the nodes again
+		ContactProxyPool::renumber( *this, same, count ); // contacts read the nodes again
 		impl.self = std::move( self );
 		impl.previousShape = std::move( impl.shape );
 		impl.shape = std::move( shape );

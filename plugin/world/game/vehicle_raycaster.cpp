@@ -22,7 +22,7 @@ struct VehicleRaycaster::Hit
 
 namespace {
 
-/// What a wheel's ray may meet: either everything but soft bodies, or soft bodies alone, from outside.
+/// Objects that a wheel's ray may meet: either everything but soft bodies, or soft bodies alone, from outside.
 struct WheelRay : btCollisionWorld::ClosestRayResultCallback
 {
 	WheelRay( const btVector3& from, const btVector3& to, bool meetsSoft ) : ClosestRayResultCallback( from, to ), isSoft( meetsSoft )
@@ -92,7 +92,7 @@ SoftBody* VehicleRaycaster::softBodyAt( const btVector3& from, const btVector3& 
 	return nearest( from, to ).soft;
 }
 
-// Applies to the ground the reaction of what btRaycastVehicle applies to the chassis: the suspension's force times the step.
+// Applies to the ground the reaction of btRaycastVehicle's force on the chassis: the suspension's force times the step.
 void VehicleRaycaster::updateAction( btCollisionWorld*, btScalar step )
 {
 	if ( !m_vehicle || !const_cast<btRaycastVehicle*>( m_vehicle )->getRigidBody()->isActive() )
@@ -123,7 +123,7 @@ void VehicleRaycaster::updateAction( btCollisionWorld*, btScalar step )
 		}
 		for ( const int node : under )
 		{
-			// What would make a node too fast is refused: that node is then not pressed on.
+			// An impulse that would make a node too fast is refused: that node is then not pressed.
 			static_cast<void>( soft->applyImpulse(
 				ray.m_contactNormalWS * ( -wheel.m_wheelsSuspensionForce * step * soft->nodeMass( node ) / mass ), node ) );
 		}

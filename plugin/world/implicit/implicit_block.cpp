@@ -290,7 +290,7 @@ void ImplicitBlock::solveLaw( BlockCount& count )
 		{
 			break;
 		}
-		// The first step is taken in full: it brings in the forces that the initial guess lacks.
+		// The first step is taken in full: it adds the forces that the initial guess lacks.
 		const float t = passes == 1 ? 1.0f : float( stepTowards() );
 		for ( int k = 0; k < m_size; ++k )
 		{

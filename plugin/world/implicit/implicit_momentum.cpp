@@ -37,8 +37,8 @@ Vector6 seenFrom( const Vec3d& at, const Vector6& motion, const Vec3d& centre )
 	return seen;
 }
 
-/// Adds a rigid motion to the nodes of a part so that their momentum changes by it: what rounding takes from one node goes to the next.
-/// Added to each alone, a motion of less than half of a velocity's last digit would be lost, in every substep the same way.
+/// Adds a rigid motion to the nodes of a part so that their momentum changes by it: the rounding error of one node is passed to the next.
+/// Added to each node separately, a motion of less than half of a velocity's last digit would be lost in every substep.
 void addToTheLastDigit( NodeState& nodes, const ImplicitMotion& motion, int part, const Vector6& added )
 {
 	const Vec3d shift = added.head<3>(), turn = added.tail<3>(), &centre = motion.centre( part );

@@ -28,11 +28,11 @@ public:
 	/// Solves the blocks of the `awake` bodies, sets the velocities of nodes and rigid bodies, and hides the blocks' contacts from Bullet.
 	void before( const std::vector<SoftBody*>& awake, Attachments& attachments, btDispatcher& dispatcher, const btContactSolverInfo& info,
 		TaskRunner* runner );
-	/// Called after Bullet's solver: records what it did to the rigid bodies as the expectation for the next substep.
+	/// Called after Bullet's solver: records its impulses on the rigid bodies as the expectation for the next substep.
 	void after();
 	void forget( const btCollisionObject& object );
 
-	/// What a substep leaves to the next.
+	/// The data that one substep passes to the next.
 	struct Carried
 	{
 		std::vector<OutsideImpulse> outside;

@@ -1,13 +1,13 @@
 #pragma once
 
-// What an implicit block moves beside soft bodies: rigid bodies, and links of multibodies. The links of a multibody that take part have one
-// mass matrix: the inverse of the velocities that impulses on each of them give to all,
+// Objects other than soft bodies that an implicit block moves: rigid bodies, and links of multibodies. The links of a multibody that take
+// part have one mass matrix: the inverse of the velocities that impulses on each of them give to all,
 //
 //   K = ( W + epsilon D )^-1,   W = J M^-1 J^T,   D = diag( 1 / m, I^-1 ) of the links alone
 //
 // with J the links' velocities by the multibody's coordinates and M its mass matrix, neither of which is formed. W is singular where joints
-// hold: there epsilon makes a link very heavy. What motors, limits and contacts of other links add is estimated from the last substeps, as
-// for a rigid body on a joint.
+// hold: there epsilon makes a link very heavy. The impulses of motors, limits and contacts of other links are estimated from the last
+// substeps, as for a rigid body on a joint.
 
 #include "world/implicit/implicit_block.h"
 

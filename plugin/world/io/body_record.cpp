@@ -51,7 +51,7 @@ void BodyRecord::write( Archive& archive, const SoftBody& body, BodyRecord& reco
 
 namespace {
 
-/// Whether a body is made of what the part says: its state can then be read in place.
+/// Whether a body is made from the data of this part: its state can then be read in place.
 bool isMadeOf( SoftBody& body, const Archive& part )
 {
 	thread_local std::vector<std::byte> own;

@@ -34,17 +34,17 @@ struct BodyRecord
 	ObjectState motion;
 	ObjectSettings settings;
 	std::vector<StoredPin> pins;
-	std::unique_ptr<SoftBody::Impl> made;                 ///< what was read; null: to be read in place, from `state`
+	std::unique_ptr<SoftBody::Impl> made;                 ///< the body read; null: to be read in place, from `state`
 	Archive state = Archive( nullptr, std::size_t( 0 ) ); ///< not read yet
 
-	/// Everything that is stored of a body but what it is made of and its state. `pinned`: the index of a pin's object.
+	/// All stored data of a body except the data from which it is made and its state. `pinned`: the index of a pin's object.
 	static BodyRecord of( const SoftBody& body );
 	void archive( Archive& archive );
 	/// Writes record, make and state of a body.
 	static void write( Archive& archive, const SoftBody& body, BodyRecord& record );
-	/// Reads them. `live`: a body that is to be this one, or null; it is read in place later where that cannot fail.
+	/// Reads them. `live`: the existing body with this state, or null; it is read in place later, when that cannot fail.
 	void read( Archive& archive, const std::vector<std::shared_ptr<const BodyTemplate>>& templates, SoftBody* live );
-	/// Makes `body` the recorded one, but for what refers to other objects.
+	/// Makes `body` the recorded one, except for references to other objects.
 	void applyTo( SoftBody& body );
 };
 

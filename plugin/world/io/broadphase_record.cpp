@@ -48,7 +48,7 @@ void BroadphaseRecord::Proxy::archive( Archive& archive )
 	archive( box, stage, id );
 }
 
-// Bullet may have been built without run-time type information, so the class is told by its table of virtual functions.
+// Bullet may have been built without run-time type information, so the class is recognised by its table of virtual functions.
 btDbvtBroadphase* BroadphaseRecord::treesOf( btBroadphaseInterface& broadphase )
 {
 	static btDbvtBroadphase known;

@@ -1,4 +1,4 @@
-// A snapshot as a chunk of a .bullet file. Bullet's importer keeps a table of the chunks whose codes it knows and passes over all others.
+// A snapshot as a chunk of a .bullet file. Bullet's importer skips chunks whose codes it does not know.
 
 #include "pliant/io/snapshot.h"
 #include "world/io/snapshot_format.h"

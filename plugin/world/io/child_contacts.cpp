@@ -18,7 +18,7 @@ public:
 	void addContactPoint( const btVector3&, const btVector3&, btScalar ) override {}
 };
 
-/// What Bullet has of a compound and another object, by child; null: none.
+/// Bullet's algorithms for a compound and another object, by child; null: none.
 class OneCompound : public btCompoundCollisionAlgorithm
 {
 public:
@@ -29,7 +29,7 @@ public:
 	static bool isSwapped( const btCompoundCollisionAlgorithm& of ) { return of.*( &OneCompound::m_isSwapped ); }
 };
 
-// Bullet gives no access to what it has of two compounds. An explicit instantiation may name a private member.
+// Bullet gives no access to its algorithms for two compounds. An explicit instantiation may name a private member.
 btHashedSimplePairCache*& pairsOf( btCompoundCompoundCollisionAlgorithm& of );
 template <btHashedSimplePairCache* btCompoundCompoundCollisionAlgorithm::*Member>
 struct TwoCompounds

@@ -51,7 +51,7 @@ void archive( Archive& archive, GasCavity& cavity )
 	archive( cells, amount, pressure, surface );
 }
 
-/// The boundary and the sums of forces are made anew.
+/// The boundary and the sums of forces are rebuilt.
 void archive( Archive& archive, SurfaceForces& forces )
 {
 	archive.choice( forces.gas.law, GasLaw::Ideal );
@@ -93,7 +93,7 @@ void SoftBody::Impl::archiveMake( Archive& archive )
 	}
 }
 
-// Not stored: what a substep makes for itself, what is read from Bullet's object or from the lattice again, and what only drawing needs.
+// Not stored: temporary data of a substep, data read again from Bullet's object or from the lattice, and data for drawing only.
 void SoftBody::Impl::archiveState( Archive& archive )
 {
 	body->archiveState( archive );
@@ -124,7 +124,7 @@ void SoftBody::Impl::archiveState( Archive& archive )
 	{
 		return;
 	}
-	contactRecords = tellsContacts ? std::make_unique<ContactRecords>() : nullptr; // its events begin anew
+	contactRecords = tellsContacts ? std::make_unique<ContactRecords>() : nullptr; // its events start again
 	nearNodes = std::move( near );
 	const auto isNode = [count]( const Near& each ) { return each.node >= 0 && each.node < count; };
 	archive.require( std::isfinite( mass ) && mass > 0.0 && shapeShift.cwiseAbs().maxCoeff() <= kFarthestStored &&
@@ -145,7 +145,7 @@ void SoftBody::Impl::archiveState( Archive& archive )
 
 namespace {
 
-/// The shift with which a version that was shown as `shown` is shown as a later one, whatever it is now.
+/// The shift with which a version shown as `shown` is shown as a later one, for any present version.
 int shiftPast( unsigned shown, unsigned now )
 {
 	return int( shown + 1 - now );
@@ -173,7 +173,7 @@ void SoftBody::Impl::install( SoftBody& owner, std::unique_ptr<Impl> impl )
 	}
 	owner.m_impl = std::move( impl );
 	Impl& now = *owner.m_impl;
-	++now.skin.moves; // whatever it was moved to: queries begin anew
+	++now.skin.moves; // queries start again from any restored position
 	now.proxyOfNode.assign( std::size_t( now.body->nodeCount() ), nullptr );
 	owner.m_internalType = kInternalType;
 	owner.internalSetExtensionPointer( const_cast<char*>( &kSoftBodyMark ) );

@@ -150,7 +150,7 @@ void ManifoldRecord::applyTo( btPersistentManifold& manifold, StepImpulses& to )
 	}
 }
 
-// Manifolds of another world on the same dispatcher keep their places.
+// Manifolds of another world on the same dispatcher keep their indices.
 void ManifoldOrder::applyTo( btDispatcher& dispatcher )
 {
 	btPersistentManifold** const all = dispatcher.getInternalManifoldPointer();

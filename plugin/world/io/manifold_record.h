@@ -13,7 +13,7 @@
 
 namespace pliant {
 
-/// One manifold, without the objects that it belongs to, as it lies in a snapshot: it is written from Bullet's object and read in place.
+/// One manifold in a snapshot, without its objects: it is written from Bullet's object and read in place.
 class ManifoldRecord
 {
 public:
@@ -22,7 +22,7 @@ public:
 	void archive( Archive& archive );
 	/// Writes it to a manifold of the same objects.
 	void applyTo( btPersistentManifold& manifold, StepImpulses& to ) const;
-	/// Its place in the dispatcher's list: the solver's order.
+	/// Its index in the dispatcher's list: the solver's order.
 	int rank() const { return m_head.rank; }
 
 private:
@@ -44,7 +44,7 @@ class ManifoldOrder
 {
 public:
 	void add( int rank, btPersistentManifold& manifold ) { m_known.push_back( { rank, &manifold } ); }
-	/// Gives them the places that they have together in the dispatcher's list, in the order of their ranks.
+	/// Redistributes the indices that they have together in the dispatcher's list, in the order of their ranks.
 	void applyTo( btDispatcher& dispatcher );
 
 private:

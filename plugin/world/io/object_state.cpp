@@ -20,7 +20,7 @@ bool areWithin( btScalar limit, std::initializer_list<btVector3> vectors )
 	} );
 }
 
-/// Whether a transform leads to a place where soft bodies can be, and hardly scales.
+/// Whether a transform leads to a position where soft bodies can be, and hardly scales.
 bool isPlace( const btTransform& transform )
 {
 	const btMatrix3x3& basis = transform.getBasis();

@@ -22,7 +22,7 @@ bool isSameClass( const Base& object, const Known& known )
 void archive( Archive& archive, btVector3& vector );
 void archive( Archive& archive, btTransform& transform );
 
-/// What a step changes of an object. Of a link of a multibody, transforms and velocities stay as they are.
+/// The data of an object that a step changes. Of a link of a multibody, transforms and velocities keep their values.
 struct ObjectState
 {
 	btTransform transform = btTransform::getIdentity(), interpolation = btTransform::getIdentity();
@@ -34,12 +34,12 @@ struct ObjectState
 
 	static ObjectState of( const btCollisionObject& object );
 	void applyTo( btCollisionObject& object ) const;
-	/// Only what a game cannot set, and would not think of: the island.
+	/// Only the island, which a game cannot set.
 	void applyTag( btCollisionObject& object ) const { object.setIslandTag( islandTag ); }
 	void archive( Archive& archive );
 };
 
-/// What a game sets of a soft body as of any collision object.
+/// Settings of a soft body as of any collision object.
 struct ObjectSettings
 {
 	int flags = 0, frictionMode = 0, userIndex[3] = {};

@@ -124,7 +124,7 @@ void WorldSnapshot::readBodies( Archive& archive )
 	unsigned before = 0;
 	for ( std::uint64_t k = 0; k < count && archive.isSound(); ++k )
 	{
-		// The serial comes first in a record: the body that has it now is to be this one.
+		// The serial comes first in a record: the body that has it now becomes the recorded one.
 		Archive ahead = archive;
 		unsigned serial = 0;
 		ahead( serial );

@@ -1,4 +1,4 @@
-// Puts a world that was read in the place of the present one.
+// Replaces the state of a world by one that was read.
 
 #include "world/detect/node_algorithm.h"
 #include "world/io/world_snapshot.h"
@@ -13,7 +13,8 @@ namespace pliant {
 
 namespace {
 
-/// Removes the points of manifolds that go. Nothing has parted, so that the game is not told; it gets back what it has put into them.
+/// Removes the points of manifolds that are removed. No contact has ended, so that the game is not notified; the data that it has stored in
+/// them is returned to it.
 void emptyManifolds( const btManifoldArray& manifolds )
 {
 	for ( int m = 0; m < manifolds.size(); ++m )
@@ -35,7 +36,7 @@ void WorldSnapshot::commit( RestoredWorld& report )
 		if ( entry.object && !m_movesRigid )
 		{
 			const int tag = entry.state.islandTag;
-			entry.state = ObjectState::of( *entry.object ); // what follows wakes objects
+			entry.state = ObjectState::of( *entry.object ); // the calls below wake objects
 			entry.state.islandTag = tag;
 		}
 	}
@@ -49,7 +50,7 @@ void WorldSnapshot::commit( RestoredWorld& report )
 	endContacts(); // new bodies have found some; pairs are hashed by their ids, which may be others now
 	orderObjects();
 	m_broadphase.applyTo( *m_step.m_parts.world.getBroadphase(), m_step.m_parts.objects, m_step.m_parts.dispatcher );
-	endContacts(); // another broadphase than btDbvtBroadphase has found pairs by itself
+	endContacts(); // another broadphase than btDbvtBroadphase has found pairs of its own
 	restoreReferences();
 	restoreFrames();
 	restorePairs();
@@ -243,8 +244,8 @@ void WorldSnapshot::restoreSelfContacts( const PairRecord& record, const Manifol
 	}
 }
 
-// Bullet's own algorithms make their manifolds when they first look at a pair, here at the places that the objects had; the manifolds are
-// then filled with what they held.
+// Bullet's own algorithms make their manifolds when they first process a pair, here at the saved positions of the objects; the manifolds
+// are then filled with the saved contents.
 void WorldSnapshot::restorePair( const PairRecord& record, const ManifoldRecord* stored )
 {
 	btCollisionObject *const first = m_entries[std::size_t( record.first )].object,
@@ -254,7 +255,7 @@ void WorldSnapshot::restorePair( const PairRecord& record, const ManifoldRecord*
 	btBroadphasePair* const pair = cache.addOverlappingPair( first->getBroadphaseHandle(), second->getBroadphaseHandle() );
 	if ( !pair || !record.hasAlgorithm )
 	{
-		return; // the game's filter refuses it now, or it was never looked at
+		return; // the game's filter refuses it now, or it was never processed
 	}
 	const WrappedPair wrapped( *first, *second );
 	pair->m_algorithm = m_step.m_parts.dispatcher->findAlgorithm( &wrapped.first, &wrapped.second, nullptr, BT_CONTACT_POINT_ALGORITHMS );

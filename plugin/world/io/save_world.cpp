@@ -88,7 +88,7 @@ void WorldSnapshot::collect( const SaveSettings& settings )
 	{
 		const SoftBody::Impl& impl = body->impl();
 		BodyRecord record = BodyRecord::of( *body );
-		record.isDrawn = record.isDrawn && !settings.forComparison; // says nothing of its state
+		record.isDrawn = record.isDrawn && !settings.forComparison; // not a part of its state
 		const auto known = std::find_if( m_templates.begin(), m_templates.end(),
 			[&impl]( const auto& each ) { return each->fingerprint() == impl.bodyTemplate->fingerprint(); } );
 		record.bodyTemplate = int( known - m_templates.begin() );

@@ -18,7 +18,7 @@ Status outOfMemory( const char* what )
 	return Status{ ResultCode::OutOfMemory, std::string( "Not enough memory to " ) + what + "." };
 }
 
-/// Calls `work`, which returns a Status, and turns a lack of memory into one.
+/// Calls `work`, which returns a Status, and converts a lack of memory into one.
 template <class Work>
 Status guarded( const char* what, const Work& work )
 {

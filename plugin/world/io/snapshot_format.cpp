@@ -10,7 +10,7 @@ namespace pliant {
 namespace {
 
 constexpr char kMagic[8] = { 'P', 'l', 'i', 'a', 'n', 't', 'S', 'n' };
-/// Increases whenever anything is stored in another way.
+/// Increases with every change of the stored format.
 constexpr std::uint32_t kFormat = 2;
 
 struct Header
@@ -46,7 +46,7 @@ std::uint16_t scalarBytesOf( SnapshotKind kind )
 	return kind == SnapshotKind::Template ? 0 : std::uint16_t( sizeof( btScalar ) );
 }
 
-/// What is wrong with the frame; null: nothing.
+/// The error in the frame; null: none.
 const char* problemOf( const Header& header, BytesView bytes, SnapshotKind kind )
 {
 	if ( std::memcmp( header.magic, kMagic, sizeof( kMagic ) ) != 0 )

@@ -1,6 +1,6 @@
 #pragma once
 
-// The frame around every snapshot: what it is, which version, and whether it is whole.
+// The frame around every snapshot: its kind, its version, and its checksum.
 
 #include "archive/archive.h"
 #include "pliant/io/snapshot.h"
@@ -14,7 +14,7 @@ enum class SnapshotKind : std::uint8_t
 	World
 };
 
-/// Starts a snapshot that replaces what the list holds; what is written then is its content.
+/// Starts a snapshot that replaces the contents of the list; data written then is its content.
 Archive beginSnapshot( std::vector<std::byte>& bytes );
 /// Completes it, once its archive has finished.
 void endSnapshot( std::vector<std::byte>& bytes, SnapshotKind kind );
@@ -23,10 +23,10 @@ void endSnapshot( std::vector<std::byte>& bytes, SnapshotKind kind );
 /// process has written it.
 Archive openSnapshot( BytesView bytes, SnapshotKind kind );
 
-/// The size that a snapshot says it has, with its frame; bytes may follow it. 0 where the data is too short to say.
+/// The size that a snapshot states, with its frame; bytes may follow it. 0 if the data is too short to tell.
 std::size_t snapshotSize( BytesView bytes );
 
-/// What a load answers that its archive has refused.
+/// Status of a load whose archive has refused the data.
 Status refusalOf( const Archive& archive );
 
 } // namespace pliant

@@ -1,6 +1,6 @@
 #pragma once
 
-// All that a world with soft bodies carries from step to step: written, or read completely and then put in place.
+// All state of a world with soft bodies that is carried from step to step: written, or read completely and then put in place.
 
 #include "pliant/io/snapshot.h"
 #include "world/io/body_record.h"
@@ -31,19 +31,19 @@ private:
 	{
 		int record = -1;
 		std::int64_t id = 0;
-		int type = 0, shape = 0; ///< Bullet's, to tell a mistaken object
+		int type = 0, shape = 0; ///< Bullet's, to recognise a wrong object
 		ObjectState state;
-		btCollisionObject* object = nullptr; ///< that is found to be it; a soft body's is set when it is in place
+		btCollisionObject* object = nullptr; ///< the matching object of the world; a soft body's is set when it is in place
 		void archive( Archive& archive );
 	};
-	/// A ghost with what it overlaps, in its order.
+	/// A ghost with its overlapping objects, in its order.
 	struct GhostRecord
 	{
 		int ghost = -1;
 		std::vector<int> overlaps; ///< objects
 		void archive( Archive& archive ) { archive( ghost, overlaps ); }
 	};
-	/// A pair of the broadphase, a body with itself, or a pair of a ghost's own (btPairCachingGhostObject), in which a character looks for
+	/// A pair of the broadphase, of a body with itself, or of a ghost's own cache (btPairCachingGhostObject), in which a character finds
 	/// contacts.
 	struct PairRecord
 	{
@@ -64,7 +64,7 @@ private:
 	/// A frame whose rigid body is in the world.
 	struct FrameRecord
 	{
-		int rigid = -1, body = -1; ///< objects; body -1: the patch is gone
+		int rigid = -1, body = -1; ///< objects; body -1: the patch no longer exists
 		Frame frame;               ///< without its shape and its rigid body
 		void archive( Archive& archive );
 	};

@@ -1,4 +1,4 @@
-// How frames meet Bullet's solver: the mobility that their rigid bodies have there, and the way of impulses to and from their nodes
+// Connection of frames to Bullet's solver: the mobility of their rigid bodies there, and the transfer of impulses to and from their nodes
 // (frames.h).
 
 #include "world/bodies/frame_patch.h"

@@ -1,4 +1,4 @@
-// What frames and poses do in a pass.
+// Frames and poses in a pass.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"

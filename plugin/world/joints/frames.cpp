@@ -122,7 +122,7 @@ Middle middleOf( const Frame& patch )
 		patch.at + patch.mean + kFrameInward * follows * ( whole.at + whole.mean - patch.at - patch.mean ), Eigen::Quaterniond( axes ) };
 }
 
-/// Makes the rigid body an ordinary one of the patch's mass: its soft body has gone.
+/// Makes the rigid body an ordinary one of the patch's mass: its soft body has left.
 void release( Frame& frame, const btDiscreteDynamicsWorld& world )
 {
 	frame.body = nullptr;

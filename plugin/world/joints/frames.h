@@ -1,15 +1,15 @@
 #pragma once
 
 // Frames: rigid bodies that move with patches of soft bodies, for Bullet's joints. A frame's rigid body has the mobility of its patch and
-// no mass besides: before Bullet's solver it gets the patch's velocity, afterwards what the joints have changed goes to the nodes.
+// no mass in addition: before Bullet's solver it gets the patch's velocity, afterwards the change by the joints goes to the nodes.
 //
 //   V = B^T v,   B = m ( 1 / M + I^-1 r x ) the distribution of an impulse at the frame over the patch's nodes
 //   W = B^T A^-1 B the mobility: the velocity that unit impulses and angular impulses on the frame give it within the substep, with A the
 //   masses of an explicit body, and the matrix of an implicit one, whose elasticity lets the whole body follow
 //
 // A rigid body of Bullet's has a mobility D without coupling; D = s diag( W ), s the least factor for which D - W is positive, so that no
-// joint overshoots. What D is too large is made up for by the force of the last substeps: like gravity it acts on the patch before the
-// solver, and the frame's velocity that Bullet gets is without it. docs/design/attachments.md.
+// joint overshoots. The force of the last substeps compensates for the excess of D: like gravity it acts on the patch before the solver,
+// and the frame's velocity that Bullet gets excludes it. docs/design/attachments.md.
 
 #include "body/implicit_motion.h"
 #include "lattice/lattice.h"
@@ -41,7 +41,7 @@ struct Frame
 	Frame& operator=( Frame&& ) noexcept;
 	~Frame();
 
-	SoftBody* body = nullptr; ///< null: the patch is gone, and the rigid body is an ordinary one
+	SoftBody* body = nullptr; ///< null: the patch no longer exists, and the rigid body is an ordinary one
 	std::unique_ptr<btCollisionShape> shape;
 	std::unique_ptr<btRigidBody> rigid;
 	int rigidIndex = -1; ///< last known index in the world's list of objects
@@ -62,7 +62,7 @@ struct Frame
 	Vector6 given = Vector6::Zero(); ///< the velocity that Bullet's solver got
 	bool isSolved = false;           ///< Bullet's solver has it in this pass
 
-	/// Takes over what a pass changes of another frame: all but the objects.
+	/// Copies the data that a pass changes from another frame: all but the objects.
 	void copyState( const Frame& from );
 
 	// The piece that gets the frame while its body breaks.
@@ -75,7 +75,7 @@ class Frames
 public:
 	/// Makes a frame of the nodes within `radius` of `at`, world, m. Returns null where they lie on a line.
 	btRigidBody* add( btDiscreteDynamicsWorld& world, SoftBody& body, const Vec3d& at, double radius );
-	/// Takes the frame and its joints out of the world and deletes it. Returns false for what is no frame.
+	/// Removes the frame and its joints from the world and deletes it. Returns false if it is no frame.
 	bool remove( btDiscreteDynamicsWorld& world, const btRigidBody& rigid );
 	void removeAll( btDiscreteDynamicsWorld& world );
 	/// An object leaves the world: a soft body's frames become ordinary rigid bodies, a frame itself stays until it is removed.
@@ -84,7 +84,7 @@ public:
 	std::vector<Frame>& all() { return m_frames; }
 	const std::vector<Frame>& all() const { return m_frames; }
 	const Frame* find( const btRigidBody& rigid ) const;
-	/// Makes the frame of a rigid body the one with this number, in a state that it had; `body`: null where its patch was gone.
+	/// Makes the frame of a rigid body the one with this number, in a saved state; `body`: null if its patch no longer existed.
 	void restore( std::size_t number, const btRigidBody& rigid, const Frame& state, SoftBody* body, const btDiscreteDynamicsWorld& world );
 	/// Gives the rigid bodies their masses again when all are restored.
 	void restoreMobilities();
@@ -98,8 +98,8 @@ public:
 
 	/// After a change of levels: chooses the patches again. Thread-safe for different bodies.
 	void follow( const SoftBody& body, const btDiscreteDynamicsWorld& world );
-	/// While a body breaks: notes what part of the patches a piece has, by node of the parent (kNoNode: not in the piece); settle() gives
-	/// each frame to the piece with most of it.
+	/// While a body breaks: notes the part of the patches that a piece has, by node of the parent (kNoNode: not in the piece); settle()
+	/// gives each frame to the piece with most of it.
 	void claim( const SoftBody& parent, SoftBody& piece, const std::vector<std::uint32_t>& nodeNow );
 	void settle( const SoftBody& parent, const btDiscreteDynamicsWorld& world );
 

@@ -183,7 +183,7 @@ std::vector<PoseModel::Weights> weightsOfCells( const Lattice& lattice, int bone
 		isKnown[c] = sums[c].empty() ? 0 : 1;
 		weights[c] = sums[c].empty() ? weights[c] : largestOf( sums[c] );
 	}
-	// One layer of cells after another; what no link reaches follows the first bone.
+	// One layer of cells after another; cells that no link reaches follow the first bone.
 	for ( std::vector<std::size_t> found; boneCount > 0; )
 	{
 		found.clear();

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a body that follows a pose has for it (pliant/game/skeleton.h). Cells are those of the template: fragments and bodies with levels
-// find theirs by Body::firstCells. Each substep the targets of a node's cells become one velocity and one gain (body/node_pull.h).
+// The data of a body that follows a pose (pliant/game/skeleton.h). Cells are those of the template: fragments and bodies with levels find
+// theirs by Body::firstCells. Each substep the targets of a node's cells become one velocity and one gain (body/node_pull.h).
 
 #include "body/body.h"
 #include "lattice/lattice.h"
@@ -54,12 +54,12 @@ public:
 	/// Fills the body's NodePull for a substep of length h, s, which is `number` of `count`; clears it where nothing acts. `gravity`: of
 	/// the body, m/s^2.
 	void pull( Body& body, double h, int number, int count, const Vec3& gravity );
-	/// Adds what the nodes got in a substep, with their present velocities.
+	/// Adds the impulses of the nodes in a substep, with their present velocities.
 	void sum( const Body& body, double h );
 	/// At the end of a game step: its targets are reached.
 	void endStep( const Vec3d& massCentre );
 
-	/// Writes or reads the model, for a template of so many cells; and what changes from step to step.
+	/// Writes or reads the model, for a template of so many cells; and the data that changes from step to step.
 	void archiveMake( Archive& archive, std::size_t cells );
 	void archiveState( Archive& archive );
 
@@ -76,7 +76,7 @@ private:
 };
 
 /// Distributes the bone weights of a mesh's vertices over the cells: `start`, `cell` and `share` are rows of each vertex's cells. A cell
-/// that no vertex has takes the mean of its linked neighbours, from the surface inwards.
+/// without vertices takes the mean of its linked neighbours, from the surface inwards.
 std::vector<PoseModel::Weights> weightsOfCells( const Lattice& lattice, int boneCount, int vertexCount,
 	const std::vector<std::uint32_t>& start, const std::vector<std::uint32_t>& cell, const std::vector<float>& share,
 	const std::vector<PoseModel::Weights>& vertices );

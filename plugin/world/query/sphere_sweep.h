@@ -16,7 +16,7 @@ struct TriangleHit
 };
 
 /// A ray from `from` by `along`. Borders belong to the triangle, so that no ray passes between two that share an edge. `normal` is that of
-/// the corners' order, whichever side the ray comes from. False beyond `limit`.
+/// the corners' order, for rays from either side. False beyond `limit`.
 bool meets( const Vec3d& from, const Vec3d& along, const Vec3d ( &corner )[3], double limit, TriangleHit& hit );
 
 /// A sphere that moves from `from` by `along`. One that overlaps the triangle already meets it at 0, unless it moves away. False beyond

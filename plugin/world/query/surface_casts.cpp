@@ -122,7 +122,7 @@ void SurfaceShape::castRay( btTriangleRaycastCallback& ray ) const
 	} );
 }
 
-/// Takes what a sweep meets of one triangle, in the world, and hands it on with the surface's normal and node.
+/// Receives the hits of a sweep on one triangle, in the world, and passes them on with the surface's normal and node.
 struct SweepCall : btTriangleConvexcastCallback
 {
 	SweepCall( const SurfaceShape& ofSurface, btTriangleConvexcastCallback& toSweep ) :
@@ -167,7 +167,7 @@ struct SweepCall : btTriangleConvexcastCallback
 
 namespace {
 
-/// The path of the box around a convex shape, in the coordinates of `toLocal`. A shape that turns gets the box of the sphere around it.
+/// The path of the box around a convex shape, in the coordinates of `toLocal`. A rotating shape gets the box of the sphere around it.
 BoxPath pathOf( const btTriangleConvexcastCallback& sweep, const btTransform& toLocal )
 {
 	const btTransform from = toLocal * sweep.m_convexShapeFrom, to = toLocal * sweep.m_convexShapeTo;

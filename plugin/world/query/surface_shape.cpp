@@ -53,7 +53,7 @@ const SurfaceShape::Surface& SurfaceShape::now() const
 	return m_surface;
 }
 
-// The tree is sorted anew where triangles have changed, and refitted where vertices have moved.
+// The tree is sorted again if triangles have changed, and refitted if vertices have moved.
 void SurfaceShape::update() const
 {
 	const TriangleView before = m_surface.view;
@@ -120,7 +120,7 @@ bool SurfaceShape::placeDrawn() const
 	return true;
 }
 
-// A corner is where the cells around it would have it on average, each as rotated, or as stretched where cells share a node.
+// The position of a corner is the mean of its positions by the cells around it, each as rotated, or as stretched where cells share a node.
 void SurfaceShape::placeBoundary() const
 {
 	using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
@@ -299,7 +299,7 @@ bool SurfaceShape::contains( const btVector3& point, btVector3& onSurface, btVec
 			const Vec3d weights = nearestWeights( at, corner );
 			const Vec3d there = weights[0] * corner[0] + weights[1] * corner[1] + weights[2] * corner[2];
 			const double distance = ( there - at ).norm();
-			// Of the triangles at an edge the one that faces the point most says on which side it is.
+			// Among the triangles at an edge, the one that faces the point most determines on which side the point is.
 			const double height = ( at - there ).dot( ( corner[1] - corner[0] ).cross( corner[2] - corner[0] ).normalized() );
 			const bool isEqual = least >= 0.0 && std::abs( distance - least ) < least * kEqualDistance;
 			if ( least < 0.0 || ( isEqual ? std::abs( height ) > std::abs( across ) : distance < least ) )

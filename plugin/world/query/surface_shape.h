@@ -1,7 +1,7 @@
 #pragma once
 
-// The collision shape that Bullet sees of a soft body: its drawn surface, or the border of its cells where nothing is drawn. Rays, sweeps
-// and contact tests meet it; a substep's own searches use the node spheres (node_shape.h). Triangles are placed where something asks.
+// The collision shape of a soft body in Bullet: its drawn surface, or the border of its cells if nothing is drawn. Rays, sweeps and contact
+// tests meet it; a substep's own searches use the node spheres (node_shape.h). The triangles are computed at the time of a query.
 
 #include "lattice/faces/boundary_faces.h"
 #include "world/query/sphere_sweep.h"
@@ -30,11 +30,11 @@ public:
 
 	explicit SurfaceShape( const SoftBody& owner );
 
-	/// Rays and sweeps, which are recognised by the callback's class, get what they meet, nearest first; others all triangles that overlap
-	/// the box.
+	/// Rays and sweeps, which are recognised by the callback's class, get the triangles that they meet, nearest first; others all triangles
+	/// that overlap the box.
 	void processAllTriangles( btTriangleCallback* callback, const btVector3& low, const btVector3& high ) const override;
 
-	/// Of the nodes' spheres and what is drawn beyond them, m.
+	/// Of the nodes' spheres and the drawn surface beyond them, m.
 	void getAabb( const btTransform& at, btVector3& low, btVector3& high ) const override;
 	void setLocalScaling( const btVector3& ) override {} ///< soft bodies are not scaled
 	const btVector3& getLocalScaling() const override { return m_scaling; }

@@ -50,7 +50,7 @@ struct Tested
 	}
 };
 
-/// Takes the contacts of one triangle. Those with an object that stands behind it are turned outwards.
+/// Receives the contacts of one triangle. Normals of contacts with an object behind it are reversed, so that they point outwards.
 struct TriangleResult : btManifoldResult
 {
 	TriangleResult( const btCollisionObjectWrapper& triangle, Tested& tested, const btVector3& outwards ) :

@@ -1,7 +1,7 @@
 #pragma once
 
 // The collision algorithm of Bullet's contact tests (contactTest, contactPairTest) for pairs with a soft body: its drawn surface against
-// whatever the other object is.
+// the other object, of any shape.
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 
@@ -15,7 +15,7 @@ public:
 	using btCollisionAlgorithm::btCollisionAlgorithm;
 
 	/// Adds one contact point for each triangle of the surface that is nearer to the other object than the test's threshold, and one for an
-	/// object whose middle is inside. Normals point out of the soft body.
+	/// object whose centre is inside. Normals point out of the soft body.
 	void processCollision( const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1, const btDispatcherInfo& info,
 		btManifoldResult* result ) override;
 	btScalar calculateTimeOfImpact( btCollisionObject*, btCollisionObject*, const btDispatcherInfo&, btManifoldResult* ) override

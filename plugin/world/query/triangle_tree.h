@@ -1,6 +1,6 @@
 #pragma once
 
-// A tree of boxes over the triangles of a surface whose vertices move: sorted once a topology, refitted where it is asked.
+// A tree of boxes over the triangles of a surface whose vertices move: sorted once for each topology, refitted for queries.
 
 #include "lattice/lattice.h"
 
@@ -32,8 +32,8 @@ struct BoxPath
 class TriangleTree
 {
 public:
-	/// Sorts the triangles by their places in the surface at rest: which of two that are met at once comes first must not depend on when
-	/// the surface was first asked. Call `refit` then.
+	/// Sorts the triangles by their positions in the surface at rest: the order of two that are met at the same time must not depend on the
+	/// time of the first query. Call `refit` then.
 	void sort( const TriangleView& atRest );
 	/// Updates the boxes for moved vertices of the same triangles.
 	void refit( const TriangleView& surface );
@@ -108,7 +108,7 @@ private:
 	static constexpr int kDepth = 64; // of halves of at most 2^31 triangles, two boxes waiting at each
 	static constexpr double kNever = 1e300;
 
-	/// Boxes stand in the order of a walk in depth: the lower child follows its parent, the upper one the lower child's whole branch.
+	/// Boxes are in depth-first order: the lower child follows its parent, the upper one the lower child's whole branch.
 	struct Box
 	{
 		Vec3 low, high;

@@ -23,7 +23,7 @@ class SoftBody;
 class FrictionTorqueCorrection
 {
 public:
-	/// Clears the lists, before islands are built anew.
+	/// Clears the lists, before islands are rebuilt.
 	void clear()
 	{
 		m_grounded.clear();

@@ -1,7 +1,7 @@
 // A contact's impulse P changes leapfrog's energy by exactly P . ( u' + u ) / 2, u' the velocity after it and u the one before the
-// substep's matching and forces: with u' = - e u by P . u ( 1 - e ) / 2, a loss. Bullet bounces from the velocity after them, and would
-// return what presses a node on as if it had been the node's approach; and it stops before its solution has converged, which for several
-// contacts of one body at e near 1 may add as much again.
+// substep's matching and forces: with u' = - e u by P . u ( 1 - e ) / 2, a loss. Bullet bounces from the velocity after matching and
+// forces, and would reflect the pressure on a node as if it were an approach; and it stops before its solution has converged, which for
+// several contacts of one body at e near 1 may add as much again.
 
 #include "world/respond/restitution.h"
 
@@ -125,7 +125,8 @@ void RestitutionCorrection::settle()
 	}
 }
 
-// All impulses of the island's contacts times s do the work s W - s ( 1 - s ) K, K = P . A P / 2 what they would add to bodies at rest.
+// The impulses of all contacts of the island, scaled by s, do the work s W - s ( 1 - s ) K, K = P . A P / 2 the energy that they would give
+// to bodies at rest.
 void RestitutionCorrection::settle( const Range& island )
 {
 	const double after = doubledWork( island, false ), work = 0.5 * ( after + doubledWork( island, true ) );

@@ -308,7 +308,7 @@ public:
 private:
 	bool isMet( btCollisionObject& object ) const
 	{
-		// Where the game modifies contact points as they are created, it may have let the body pass.
+		// If the game modifies contact points as they are created, it may have let the body pass.
 		const int flags = object.getCollisionFlags() | m_body.getCollisionFlags();
 		if ( ( gContactAddedCallback && flags & btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK ) || asSoftBody( &object ) )
 		{

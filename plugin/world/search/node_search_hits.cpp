@@ -12,10 +12,10 @@
 
 namespace pliant {
 
-// A character sets its own position, whatever force opposes it: if nodes were pushed out of a character they carry, they would yield, the
-// character would follow, and so on down to the floor. They may penetrate it as deep as it penetrates them, without a force. Nodes beside
-// it are pushed out at the rate of rigid bodies in Bullet's world, which takes one step where explicit bodies take several, and deeper
-// penetration adds no velocity.
+// A character sets its own position, against any force: if nodes were pushed out of a character they carry, they would yield, the character
+// would follow, and so on down to the floor. They may penetrate it as deep as it penetrates them, without a force. Nodes at its sides are
+// pushed out at the rate of rigid bodies in Bullet's world, which takes one step where explicit bodies take several, and deeper penetration
+// adds no velocity.
 void NodeSearch::adjustForCharacter()
 {
 	for ( NodeHit& hit : m_hits )
@@ -27,7 +27,7 @@ void NodeSearch::adjustForCharacter()
 		}
 		else if ( depth > 0.0 )
 		{
-			// Its sweeps stop at the drawn surface, and the nodes' spheres stand back from that between them.
+			// Its sweeps stop at the drawn surface, which is higher than the nodes' spheres between them.
 			const double hollow = hit.touch.reach < 0.0 ? kHollowDepth * radius : 0.0;
 			const double pushed = ( std::min( depth, m_characters.allowance ) + hollow ) * std::min( 1.0, m_step / m_characters.gameStep );
 			hit.touch.distance += depth - pushed;

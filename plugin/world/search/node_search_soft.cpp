@@ -130,7 +130,7 @@ private:
 			[&]( const MovingSphere& now, Touch& found ) { return findNearest( radius, at, now, found ); },
 			[&]( const MovingSphere& now, Touch& found ) { return findBallTouch( radius, at, now, found ); }, touch );
 	}
-	/// Converts a touch of the second body to one of the first, at the point half-way between the two surfaces.
+	/// Converts a touch of the second body to one of the first, at the point midway between the two surfaces.
 	static Touch fromSecond( const Touch& touch, const MovingSphere& second, const MovingSphere& first )
 	{
 		const double gap = touch.distance - second.radius;
@@ -180,7 +180,7 @@ private:
 		{
 			return PatchAnswer::Clear;
 		}
-		// Half-way between the points where each would touch by itself; a flat patch touches wherever the other does.
+		// Midway between the points where each would touch by itself; a flat patch touches where the other does.
 		const Vec3d middle = between - gap * touch.normal;
 		touch.reach = -at.dot( touch.normal );
 		touch.aside = isFlat == isOtherFlat ? Vec3d( aside - 0.5 * middle ) : isFlat ? Vec3d( aside - middle ) : aside;

@@ -37,7 +37,7 @@ public:
 	void relink( const std::vector<std::uint32_t>& nodeNow, const CellsNow& cells );
 	/// Follows a change of node numbers that keeps their order.
 	void renumber( const std::vector<std::uint32_t>& nodeNow );
-	/// Writes or reads what a search leaves to the next; lists that only save time are made again.
+	/// Writes or reads the data that one search passes to the next; lists that only save time are rebuilt.
 	void archive( Archive& archive );
 
 private:

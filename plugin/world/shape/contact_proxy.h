@@ -34,7 +34,7 @@ private:
 
 public:
 	SoftBody* owner = nullptr;
-	int node = -1; ///< -1: a change of levels removed the node; whatever refers to the proxy releases it in the next collision phase
+	int node = -1; ///< -1: a change of levels removed the node; all references to the proxy are released in the next collision phase
 	int uses = 0;  ///< manifolds and predictive contacts that refer to it
 	int touchedIndex = -1;                    ///< in its owner's list of touched nodes
 	btScalar mass = btScalar( 1 );            ///< kg, 0 while the node is held
@@ -109,7 +109,7 @@ public:
 		m_hadCallback = hasContactCallback() || ( !isNewStep && m_hadCallback );
 	}
 	unsigned phase() const { return m_phase; }
-	/// The owner leaves its world: whatever still refers to proxies of its nodes must not access it again.
+	/// The owner leaves its world: remaining references to proxies of its nodes must not access it again.
 	static void detach( SoftBody& owner );
 	/// The game has deleted a proxy, which it took for one of its own rigid bodies.
 	void forget( const ContactProxy& body );
@@ -117,7 +117,7 @@ public:
 	void refresh( ContactProxy& body );
 	/// Whether it was written in this collision phase; only then does the solver's result apply to its node.
 	bool isFresh( const ContactProxy& body ) const { return body.stamp == m_phase; }
-	/// Prefetches what refresh() writes, a few iterations ahead.
+	/// Prefetches the data that refresh() writes, a few iterations ahead.
 	static void prefetchAhead( const ContactProxy& body );
 	/// Prefetches position and velocity before they are read back.
 	static void prefetchVelocity( const ContactProxy& body );

@@ -1,7 +1,7 @@
 #pragma once
 
-// The spheres of a soft body's nodes: shared shapes, one per colliding node, which a substep's searches test in rows (sphere_rows.h). What
-// Bullet queries is the drawn surface (query/surface_shape.h).
+// The spheres of a soft body's nodes: shared shapes, one per colliding node, which a substep's searches test in rows (sphere_rows.h).
+// Bullet's queries use the drawn surface (query/surface_shape.h).
 
 #include "body/body.h"
 #include "matching/node_state.h"

@@ -65,7 +65,7 @@ private:
 	};
 
 	/// The last of equal axes: nodes are numbered along z last, so that the first half of the tree holds the first half of the node arrays,
-	/// and a thread reads what it wrote itself in the stage before.
+	/// and a thread reads the data that it wrote in the stage before.
 	int longestAxis( int first, int last ) const
 	{
 		btVector3 low( BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT ), high( -low );

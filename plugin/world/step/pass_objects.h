@@ -1,6 +1,6 @@
 #pragma once
 
-// Restricts what Bullet's stages see of a world during one pass over the step (substep_group.h).
+// Restricts Bullet's stages to the objects of one pass over the step (substep_group.h).
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <LinearMath/btAlignedObjectArray.h>

@@ -141,8 +141,8 @@ void WorldStep::showPass()
 	m_parts.dispatcher = &m_view;
 }
 
-// The broadphase runs once a game step, as in Bullet's world: boxes of objects in the group contain what they may sweep in all substeps.
-// It runs again if an object leaves its box.
+// The broadphase runs once a game step, as in Bullet's world: boxes of objects in the group contain their motion in all substeps. It runs
+// again if an object leaves its box.
 void WorldStep::updateBoxes()
 {
 	bool isOutdated = bodies.pass() == StepPass::Whole;

@@ -247,7 +247,7 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 	pressFrames( false );
 	for ( SoftBody* body : m_awake )
 	{
-		// Matching has turned the cells: what asks during the step must not find what was drawn before it.
+		// Matching has rotated the cells: queries during the step must not use the surface drawn before it.
 		body->impl().nodeAxes.clear();
 		body->impl().skin.nodesMoved();
 		++body->impl().skin.moves;
@@ -261,8 +261,8 @@ void SoftBodySystem::equationsChanged( SoftBody& body ) const
 	body.impl().isImplicit = body.impl().isImplicit && !areStagesRunning;
 }
 
-// The body's box must contain what its nodes sweep in this step. This is also the last point where a number that is not finite can be
-// caught before it reaches Bullet's broadphase, and with it every other body.
+// The body's box must contain the swept spheres of its nodes in this step. This is also the last point where a number that is not finite
+// can be caught before it reaches Bullet's broadphase, and with it every other body.
 bool SoftBodySystem::sweepBox( SoftBody& body, btScalar h ) const
 {
 	SoftBody::Impl& impl = body.impl();
@@ -293,7 +293,7 @@ void SoftBodySystem::quarantine( SoftBody& body )
 {
 	SoftBody::Impl& impl = body.impl();
 	NodeState& nodes = impl.body->nodes();
-	nodes.v.x[0] = std::numeric_limits<float>::quiet_NaN(); // makes integrate() restore the last finite state, whatever was wrong
+	nodes.v.x[0] = std::numeric_limits<float>::quiet_NaN(); // makes integrate() restore the last finite state, for any error
 	impl.body->integrate( 0.0f );
 	impl.isHealthy = false;
 	impl.stateBefore = body.getActivationState();

@@ -77,17 +77,17 @@ public:
 	SubstepGroup group;
 
 	void wakeDriven(); ///< sleeping bodies whose pins move
-	/// Keeps bodies awake that nothing touches any more: Bullet would put what waits for its sleep to sleep in the air.
+	/// Keeps bodies awake that have lost their support: Bullet would let bodies that are about to sleep fall asleep in the air.
 	void wakeUnsupported();
 	void beginStep( btScalar gameStep, int substeps );
 	/// The stages up to updateActivation then apply to the bodies that this pass moves.
 	void beginPass( StepPass pass );
 	StepPass pass() const { return m_pass; }
-	/// Whether the stages of a step run, and what they call: contact callbacks, force fields. Then the world's arrays hold a part of its
-	/// objects, and tasks may be running.
+	/// Whether the stages of a step run, or functions that they call: contact callbacks, force fields. Then the world's arrays hold a part
+	/// of its objects, and tasks may be running.
 	bool areStagesRunning = false;
-	/// Call when the game changes what a body's implicit equations are made of. In the middle of a step the body moves freely for the rest
-	/// of the pass, because the equations are those of before.
+	/// Call when the game changes data of a body's implicit equations. In the middle of a step the body moves freely for the rest of the
+	/// pass, because the equations are the previous ones.
 	void equationsChanged( SoftBody& body ) const;
 	void endSubsteps()
 	{
@@ -97,7 +97,7 @@ public:
 	/// Whether an awake body of the pass is in the island.
 	bool isAwakeIn( int island ) const;
 	bool isInPass( const btCollisionObject& object ) const { return group.moves( m_pass, object ); }
-	/// Whether the pass looks for contacts of two objects.
+	/// Whether the pass searches contacts of two objects.
 	bool isPairInPass( const btCollisionObject& a, const btCollisionObject& b ) const
 	{
 		return !group.isSplit() || ( group.contains( a ) || group.contains( b ) ) == ( m_pass == StepPass::Substeps );
@@ -115,11 +115,11 @@ public:
 	/// Neither a soft body nor a field is in the world, and nothing of them is left to do: Bullet's world steps alone, and the host passes
 	/// its stages by.
 	bool isPlain = false;
-	/// Solves implicit bodies and what they touch before Bullet's solver; noteSolved() then reads that solver's results.
+	/// Solves implicit bodies and the objects that they touch before Bullet's solver; noteSolved() then reads that solver's results.
 	void solveImplicit( btDispatcher& dispatcher, const btContactSolverInfo& info );
 	void noteSolved() { implicitSolve().after(); }
 	void giveFrames( btScalar h ); ///< the velocities of their patches, before the solver
-	void readFrames( btScalar h ); ///< what joints have changed, to the patches' nodes
+	void readFrames( btScalar h ); ///< passes the joints' changes to the patches' nodes
 	void readBack();               ///< the solver's results for touched nodes
 	void holdBack( btScalar h );   ///< keeps fast nodes from passing through static and kinematic objects
 	void integrate( btScalar h, int substep );
@@ -141,7 +141,7 @@ public:
 	ForceFields fields;
 	ContactEvents contactEvents;
 	DebugDrawing drawing;
-	/// Adds `by`, m, to the coordinates of soft bodies and of what refers to them.
+	/// Adds `by`, m, to the coordinates of soft bodies and of data that refers to them.
 	void shift( const btVector3& by );
 	Frames frames;
 	std::vector<SoftBody*> owned; ///< fragments that the game has not released
@@ -171,7 +171,7 @@ private:
 	friend class WorldSnapshot;
 	bool moves( const SoftBody& body ) const;
 	void moveHeldBodies();
-	void keepDrawn(); ///< what SoftBody::setInterpolation blends with
+	void keepDrawn(); ///< keeps the drawing from which SoftBody::setInterpolation blends
 	ImplicitSolve& implicitSolve() { return m_implicit[int( m_pass )]; }
 	/// Returns the number of substeps that the body takes in the game step.
 	int substepsOf( const SoftBody& body ) const;

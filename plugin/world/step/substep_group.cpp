@@ -34,7 +34,7 @@ struct SweptBox : SubstepGroup::Box
 	bool overlaps( const SweptBox& other ) const { return TestAabbAgainstAabb2( low, high, other.low, other.high ); }
 };
 
-/// Returns what a rigid body's box may sweep within the step, from its velocities and the changes by gravity and forces.
+/// Returns the box that a rigid body may sweep within the step, from its velocities and the changes by gravity and forces.
 SweptBox boxOf( const btRigidBody& body, btScalar step )
 {
 	SweptBox box;
@@ -102,7 +102,7 @@ SubstepGroup::Box SubstepGroup::sweptBox( const btCollisionObject& object, const
 		box = boxOf( *soft, gravity, step );
 		if ( !soft->impl().rigidProxy )
 		{
-			box.grow( btScalar( kDrawnBeyondSpheres ) * soft->impl().shape->largestRadius() ); // as the box of what is drawn
+			box.grow( btScalar( kDrawnBeyondSpheres ) * soft->impl().shape->largestRadius() ); // as for the box of the drawn surface
 		}
 	}
 	else if ( const btRigidBody* const rigid = btRigidBody::upcast( &object ) )

@@ -75,7 +75,7 @@ public:
 	void noteContact( const btCollisionObject& a, const btCollisionObject& b );
 	/// After the last substep: gives the islands of the group tags that no other island has.
 	void endSubsteps( btCollisionWorld& world );
-	/// Writes or reads what a game step leaves to the next, for objects in the same order.
+	/// Writes or reads the data that one game step passes to the next, for objects in the same order.
 	void archive( Archive& archive );
 
 private:

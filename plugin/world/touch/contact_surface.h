@@ -42,8 +42,8 @@ public:
 	double cellSize() const { return m_cellSize; }
 
 	/// The nodes that share a contact. `at`: from the node's centre to the contact point, m; it is moved to where the nodes can share it,
-	/// which changes it only in crumbs, sheets and crushed parts. The weights `press` act along the line through it along `normal`, `rub`
-	/// at the point.
+	/// which changes it only in crumbs, sheets and crushed parts. The weights `press` are for impulses at any point of the line through it
+	/// along `normal`, `rub` for impulses at the point.
 	SharedNodes sharedNodes( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const;
 
 	/// Radius of the rolling sphere at a node, m, where the touching point travels along its patch; 0 where the point stays.

@@ -6,9 +6,8 @@
 
 namespace pliant {
 
-/// Finds the flat face that goes on in front of a node without a patch, in the plane of a linked node's. Of several, which meet at the
-/// edge, the one that an object is least behind. `at`: the object's point nearest to the node, from its centre, m. False where there is
-/// none.
+/// Finds the flat face that continues in front of a node without a patch, in the plane of a linked node's. Among several, which meet at the
+/// edge, the one that an object is least behind. `at`: the object's point nearest to the node, from its centre, m. False if there is none.
 bool findEdgeFace( const ContactSurface& surface, const Body& body, int node, const Vec3d& at, ContactSurface::Patch& face );
 
 } // namespace pliant

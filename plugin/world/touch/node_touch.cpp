@@ -100,7 +100,7 @@ bool nearestOnConvex( const Obstacle& obstacle, const MovingSphere& sphere, Touc
 	input.m_transformB = obstacle.transform();
 	NearestPair pair;
 	detector.getClosestPoints( input, pair, nullptr );
-	// GJK used the shape's own radius, whatever radius is asked for.
+	// GJK used the shape's own radius, not the requested one.
 	const double radius = sphere.scale > 0.0 ? double( sphere.shape->getRadius() ) : sphere.radius;
 	touch = Touch{ toEigen( pair.normal ), double( pair.distance ) + radius };
 	return pair.isFound;

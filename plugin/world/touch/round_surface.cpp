@@ -1,6 +1,6 @@
-// Two layers of spheres act like two egg boxes: a face displaced by a fifth of a diameter rests on a slope of 0.2 and slides into the
-// other's hollows, for seconds. Spheres of twice the radius touch the same faces at half the slope. Their centres lie half-way to the nodes
-// behind, so that two nodes on each side share the impulse along the line between centres, and momentum and spin are conserved.
+// Two layers of spheres interlock like two egg boxes: a face displaced by a fifth of a diameter rests on a slope of 0.2 and slides into the
+// other's hollows, for seconds. Spheres of twice the radius touch the same faces at half the slope. Their centres lie midway to the nodes
+// behind, so that two nodes on each side share the impulse along the line between centres, and momentum and angular momentum are conserved.
 
 #include "world/touch/round_surface.h"
 

@@ -39,7 +39,7 @@ public:
 	/// From the triangle to the deepest node that may be in the ground below it, m.
 	Vec3d exitBelow() const { return m_isPenetrated ? Vec3d( -m_deepest * m_up ) : Vec3d( Vec3d::Zero() ); }
 
-	/// Whether a sphere's centre is below the triangle; then `touch` tells how it gets out.
+	/// Whether a sphere's centre is below the triangle; then `touch` is the direction out of the ground.
 	bool contains( const Vec3d& centre, Touch& touch ) const
 	{
 		const double height = m_isPenetrated ? m_normal.dot( centre - m_corners[0] ) : 0.0;
@@ -61,7 +61,7 @@ public:
 		return true;
 	}
 
-	/// False for touches that push a node in the ground down, except beside the field's border.
+	/// False for touches that push a node in the ground down, except at the field's border.
 	bool allows( const Vec3d& centre, const Touch& touch ) const
 	{
 		return !m_isPenetrated || touch.normal.dot( m_up ) >= 0.0 || !isOverField( centre );

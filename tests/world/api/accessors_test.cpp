@@ -1,4 +1,4 @@
-// What can be set can be read back; what is asked for an index out of range is answered; each kind of mistake has its code.
+// Settings can be read back; calls with an index out of range return a neutral value; each kind of mistake has its code.
 
 #include "support/explicit_material.h"
 #include "world/levels/adaptive_bodies.h"

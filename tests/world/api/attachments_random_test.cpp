@@ -1,4 +1,4 @@
-// Attachments and frames through random cuts, level changes and removals: nothing refers to what is gone. A few cases by default; as
+// Attachments and frames through random cuts, level changes and removals: no dangling references. A few cases by default; as
 // attachments_full_test, with the label `full`, a thousand.
 
 #include "world/test_world.h"
@@ -63,7 +63,7 @@ public:
 	double between( double low, double high ) { return std::uniform_real_distribution<double>( low, high )( m_random ); }
 	SoftBody& anyBody() { return *test.world.softBody( int( between( 0, test.world.softBodyCount() - 1e-6 ) ) ); }
 
-	/// Returns true if attachments may have gone.
+	/// Returns true if attachments may have been removed.
 	bool disturb()
 	{
 		SoftBody& body = anyBody();
@@ -162,7 +162,7 @@ TEST( Attachments, NoneDanglesThroughRandomFracturesAndLevels )
 			{
 				SoftBody* const owner = world.frameOwner( frame );
 				ASSERT_TRUE( std::isfinite( frame->getWorldTransform().getOrigin().length() ) ) << "seed " << seed;
-				if ( owner ) // it is where its body is
+				if ( owner ) // its object is in the world of its body
 				{
 					const btVector3 to = frame->getWorldTransform().getOrigin();
 					ASSERT_LT( ( owner->nodePosition( owner->nearestNode( to ) ) - to ).length(), 1 ) << "seed " << seed;

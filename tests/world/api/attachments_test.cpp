@@ -1,4 +1,4 @@
-// Two-way attachments: points of soft bodies held at rigid bodies and at other soft bodies.
+// Two-way attachments: points of soft bodies attached to rigid bodies and to other soft bodies.
 
 #include "support/momentum.h"
 #include "world/test_world.h"
@@ -82,7 +82,7 @@ TEST_P( Attached, ABoxOnAJointCarriesACube )
 	joint.setJointFeedback( &feedback );
 	joint.enableFeedback( true );
 	test.world.addConstraint( &joint );
-	cube->setActivationState( DISABLE_DEACTIVATION ); // asleep it would show the force of its last step
+	cube->setActivationState( DISABLE_DEACTIVATION ); // asleep it would report the force of its last step
 	test.run( 480 );
 	btScalar carried = 0, pulled = 0;
 	for ( int frame = 0; frame < 60; ++frame )
@@ -100,7 +100,7 @@ TEST_P( Attached, ABoxOnAJointCarriesACube )
 	test.world.removeConstraint( &joint );
 }
 
-// In free flight a rigid box attached to a cube keeps the momentum of both, and their points together.
+// In free flight a rigid box and a cube attached to it keep their total momentum, and the attached points stay together.
 TEST_P( Attached, KeepsMomentum )
 {
 	TestWorld test;
@@ -238,7 +238,7 @@ TEST_P( Attached, BreaksAtItsForceAndTells )
 	EXPECT_TRUE( test.world.attachmentEvents().empty() );
 }
 
-// A spring of compliance c is drawn out by m g c.
+// A spring of compliance c is stretched by m g c.
 TEST_P( Attached, GivesWayByItsCompliance )
 {
 	TestWorld test;
@@ -249,7 +249,7 @@ TEST_P( Attached, GivesWayByItsCompliance )
 	settings.compliance = btScalar( 0.01 );
 	ASSERT_TRUE( test.world.attach( *cube, btVector3( 0, btScalar( 4.6 ), 0 ), *hook, settings ).ok() );
 	cube->setActivationState( DISABLE_DEACTIVATION );
-	double height = 0.0; // it swings at 1.6 / s: the mean of sixteen times
+	double height = 0.0; // it oscillates at 1.6 / s: the mean of sixteen samples
 	for ( int frame = 0; frame < 600; ++frame )
 	{
 		test.run( 1 );
@@ -261,7 +261,7 @@ TEST_P( Attached, GivesWayByItsCompliance )
 INSTANTIATE_TEST_SUITE_P( Steps, Attached, testing::Values( Elasticity::Explicit, Elasticity::Implicit ),
 	[]( const auto& step ) { return std::string( step.param == Elasticity::Implicit ? "Implicit" : "Explicit" ); } );
 
-// Random cuts and breaks: points go with their pieces, and nothing dangles.
+// Random cuts and breaks: attachments follow their pieces, without dangling references.
 TEST( Attachments, SurviveFracture )
 {
 	for ( unsigned seed = 1; seed <= 20; ++seed )

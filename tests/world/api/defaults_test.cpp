@@ -1,4 +1,4 @@
-// What a game gets that sets nothing but a mesh: cubes of very different sizes stand, carry, are thrown, and sleep, like rubber.
+// A game that sets nothing but a mesh: cubes of very different sizes stand, carry loads, are thrown, and sleep, like rubber.
 
 #include "support/test_world.h"
 
@@ -25,7 +25,7 @@ protected:
 	}
 	/// Longer for large bodies, whose vibrations last longer in proportion to the root of their size.
 	int mostFrames( float seconds = 15.0f ) const { return int( 60.0f * seconds * std::max( 1.0f, std::sqrt( edge() ) ) ); }
-	/// Steps until all sleep. Returns the number of frames.
+	/// Steps until all bodies sleep. Returns the number of frames.
 	int frames( SoftWorld& t, float seconds = 15.0f ) const
 	{
 		int frame = 0;
@@ -105,7 +105,7 @@ TEST_P( Defaults, AThrownCubeComesToRest )
 	SoftBody* const cube = addCube( t, 1.0f );
 	const btScalar speed = btScalar( 3.0 * std::sqrt( 9.81 * double( edge() ) ) ); // m/s
 	ASSERT_TRUE( cube->setVelocities( btVector3( speed, speed / 3, 0 ), btVector3( 0, 0, -2 * speed / edge() ) ).ok() );
-	const int slept = frames( t, 30.0f ); // it bounces on as rubber does
+	const int slept = frames( t, 30.0f ); // it keeps bouncing, like rubber
 	std::printf(
 		"edge %.2f m: asleep after %d frames, %.1f edges away\n", double( edge() ), slept, double( cube->massCentre().x() / edge() ) );
 	EXPECT_LT( slept, mostFrames( 30.0f ) );

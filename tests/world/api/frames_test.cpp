@@ -172,7 +172,7 @@ TEST_P( Framed, ABarBetweenTwoHingedLinksTurnsTheFarOne )
 	EXPECT_NEAR( std::abs( turned[1] ), kTurn, 0.05 );
 }
 
-// A motor at its axle turns a wheel up to the motor's speed, with the acceleration of its torque over the wheel's inertia.
+// A motor at its axle accelerates a wheel up to the motor's velocity, with its torque over the wheel's inertia.
 TEST_P( Framed, AMotorTurnsAWheel )
 {
 	TestWorld test;
@@ -195,7 +195,7 @@ TEST_P( Framed, AMotorTurnsAWheel )
 	test.world.removeConstraint( joint.get() );
 }
 
-// A slider holds a cube up and lets it go along x, by what a force accelerates it.
+// A slider holds a cube up and lets it move along x, with the acceleration of an applied force.
 TEST_P( Framed, ASliderGuidesACube )
 {
 	TestWorld test;
@@ -334,7 +334,7 @@ TEST( Frames, FollowLevels )
 	test.world.removeConstraint( &hook );
 }
 
-// Either side may leave; what is left is sound, and the frame can still be removed.
+// Either object may be removed first; the other stays valid, and the frame can still be removed.
 TEST( Frames, OutliveTheirSoftBody )
 {
 	TestWorld test;

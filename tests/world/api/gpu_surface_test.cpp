@@ -1,5 +1,5 @@
-// The skin as tables and node transforms (SoftBody::gpuSurface): a renderer that fills its buffers as the view says and does what the
-// shader does draws what `surface` returns. Whole, bent, plastic, cracking, broken, and with changing levels.
+// The skin as tables and node transforms (SoftBody::gpuSurface): a renderer that fills its buffers from the view and evaluates the shader
+// draws the result of `surface`. Whole, bent, plastic, cracking, broken, and with changing levels.
 
 #include "lattice/test_meshes.h"
 #include "support/renderer_buffers.h"
@@ -26,7 +26,7 @@ std::shared_ptr<const BodyTemplate> bumpySphere( int cells, int rings )
 	return BodyTemplate::build( mesh.view(), settings ).value;
 }
 
-/// Two worlds with the same bodies: in one the skins are read, in the other the tables.
+/// Two worlds with the same bodies: one test reads the skins, the other the tables.
 struct Twins
 {
 	TestWorld onCpu, onGpu;
@@ -90,7 +90,7 @@ struct Twins
 			const Float3 normal = { wanted.normals[3 * v], wanted.normals[3 * v + 1], wanted.normals[3 * v + 2] };
 			worstPosition = std::max( worstPosition, double( lengthOf( drawn.positions[std::size_t( v )] - at ) / cell ) );
 			mixedVertices += drawn.isMixed( std::uint32_t( v ) ) ? 1 : 0;
-			// Where rounding of positions turns the triangles, any normal is as good.
+			// Where rounding of positions determines the orientation of triangles, any normal is accepted.
 			const bool isSound = drawn.isMixed( std::uint32_t( v ) ) ||
 				drawn.normalErrorAt( std::uint32_t( v ), 4e-6f * cell ) < 0.5f * float( kDegree );
 			unsound += isSound ? 0 : 1;

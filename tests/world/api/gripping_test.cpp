@@ -87,8 +87,8 @@ public:
 class Gripping : public ::testing::TestWithParam<Elasticity>
 {};
 
-// Implicitly the ball slipped: the links of the fingers seemed to give way to it, since what their joints add was learnt without what one
-// link's impulse does not move because of the others.
+// The ball used to slip from implicit fingers: the links of the fingers seemed to yield, because the resistance that their joints add was
+// estimated without the effect of the other links on the response to one link's impulse.
 TEST_P( Gripping, AnArmLiftsASoftBall )
 {
 	btDefaultCollisionConfiguration configuration;
@@ -137,7 +137,7 @@ TEST_P( Gripping, AnArmLiftsASoftBall )
 	EXPECT_LT( ball.linearVelocity().length(), 0.02 );
 	gripper.move( 0, btScalar( -0.2 ) );
 	run( 90 );
-	EXPECT_LT( ball.massCentre().y(), high - btScalar( 0.1 ) ); // it has let go
+	EXPECT_LT( ball.massCentre().y(), high - btScalar( 0.1 ) ); // it has been released
 	EXPECT_TRUE( ball.isHealthy() );
 	world.removeRigidBody( &ground );
 }

@@ -1,4 +1,4 @@
-// Drawing between two steps (SoftBody::setInterpolation): the drawn skin moves evenly where the game draws more often than it steps, as a
+// Drawing between two steps (SoftBody::setInterpolation): the drawn skin moves evenly if the game draws more often than it steps, as a
 // rigid body's motion state does.
 
 #include "lattice/test_meshes.h"
@@ -51,7 +51,7 @@ double apart( const std::vector<Vec3d>& a, const std::vector<Vec3d>& b )
 	return most;
 }
 
-// At 144 pictures a second and 60 steps, beside a rigid twin that spins and flies the same way.
+// At 144 pictures a second and 60 steps, compared with a rigid body of the same motion.
 TEST( Interpolation, MovesASkinAsTheMotionStateOfItsRigidTwin )
 {
 	TestWorld test;
@@ -82,7 +82,7 @@ TEST( Interpolation, MovesASkinAsTheMotionStateOfItsRigidTwin )
 			middle += vertex / double( drawn.size() );
 		}
 		const Vec3d drawnArm = drawn.front() - middle;
-		// The soft twin's turn falls behind little by little, at no picture by much.
+		// The rotation of the soft body lags behind slowly, by little from picture to picture.
 		const double lag = std::atan2(
 			twinArm.x() * drawnArm.y() - twinArm.y() * drawnArm.x(), twinArm.head<2>().dot( drawnArm.head<2>() ) );
 		if ( picture > 3 ) // the motion state shows the time before the start until the first step
@@ -162,7 +162,7 @@ TEST( Interpolation, OfNewPiecesStartsAtTheBodyTheyWere )
 			for ( std::size_t v = 0; v < drawn.size(); ++v )
 			{
 				const VertexSource& source = sources.sources[v];
-				// Beside the cut, vertices follow the cells of their own side from now on, and some lie on the blade's path.
+				// Next to the cut, vertices follow the cells of their own side after the break, and some are moved to the blade's path.
 				const bool isInput = source.vertex[0] != VertexSource::kInside && source.weight[0] == 1.0f;
 				if ( isInput && std::abs( ( before[source.vertex[0]] - centre ).x() ) > 0.2 )
 				{

@@ -132,7 +132,7 @@ void poisonNode( SoftBody& body, int node, const btVector3& velocity )
 	body.impl().body->nodes().v.set( node, toVec3( velocity ) );
 }
 
-/// Returns the positions of a body beside one that is poisoned (or not).
+/// Returns the positions of a body next to one that is poisoned (or not).
 std::vector<btVector3> beside( int poison )
 {
 	TestWorld t;

@@ -14,7 +14,7 @@ namespace {
 using test::at;
 using test::kFrame;
 
-/// A world over Base with a floor and what a test puts into it.
+/// A world over Base with a floor and the objects of a test.
 template <class Base>
 struct Stage
 {
@@ -188,7 +188,7 @@ TEST( OtherWorlds, AGamesOverridesAreCalledOnceAPass )
 	EXPECT_EQ( stage.world->integrations, 10 );
 }
 
-// Bullet's own cloth beside a soft cube moves as without it, and both worlds' bodies are told apart.
+// Bullet's own cloth next to a soft cube moves as without it, and the bodies of both kinds are distinguished.
 TEST( OtherWorlds, BulletsClothKeepsItsBitsBesideACube )
 {
 	std::vector<btVector3> track[2];

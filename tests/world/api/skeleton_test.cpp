@@ -79,7 +79,7 @@ SoftBody* addArm( TestWorld& test, const Material& material, const PoseSettings&
 	return body;
 }
 
-/// The first bone moves as a whole, the second turns about z against it by `bend`, rad.
+/// The first bone moves rigidly, the second rotates about z relative to it by `bend`, rad.
 void pose( SoftBody& body, const btVector3& root, btScalar bend, bool jumps = false )
 {
 	const btTransform bones[2] = {
@@ -111,7 +111,7 @@ double farthestFromPose( const SoftBody& body )
 class Following : public testing::TestWithParam<Elasticity>
 {};
 
-// Held cells are where the pose has them, also while it moves; with springs they hang a little lower, by g / omega^2.
+// Held cells are at their targets, also while these move; with springs they hang a little lower, by g / omega^2.
 TEST_P( Following, CellsAreWhereThePoseHasThem )
 {
 	for ( const float frequency : { kHeld, 4.0f } )
@@ -143,7 +143,7 @@ TEST_P( Following, CellsAreWhereThePoseHasThem )
 	}
 }
 
-// Any strength at any frequency comes to rest, also where the pose jumps by metres.
+// A body comes to rest with any strength and any frequency, also if the pose jumps by metres.
 TEST_P( Following, IsStableAtAnyStrength )
 {
 	for ( const float frequency : { 3.0f, 50.0f, 1000.0f, kHeld } )
@@ -170,7 +170,7 @@ TEST_P( Following, IsStableAtAnyStrength )
 	}
 }
 
-// The blend at 0 frees the body with the velocity of the pose; at 1 it comes back.
+// A blend of 0 releases the body with the velocity of the pose; at 1 it returns to the pose.
 TEST_P( Following, ABlendOfZeroHandsOver )
 {
 	TestWorld test;
@@ -199,12 +199,12 @@ TEST_P( Following, ABlendOfZeroHandsOver )
 	EXPECT_EQ( poseBlend( *body ), 0 );
 }
 
-// A painted distance limits how far a weak spring lets go.
+// A painted distance limits the displacement that a weak spring allows.
 TEST_P( Following, StaysWithinTheLargestDistance )
 {
 	TestWorld test;
 	PoseSettings settings;
-	settings.frequency = 0.3f; // alone it would sag by 2.8 m
+	settings.frequency = 0.3f; // without that limit it would sag by 2.8 m
 	settings.dampingRatio = 1.0f;
 	settings.paint = []( const float*, void* ) { return PosePaint{ 1.0f, 0.1f }; };
 	SoftBody* const body = addArm( test, flesh( GetParam() ), settings );
@@ -217,7 +217,7 @@ TEST_P( Following, StaysWithinTheLargestDistance )
 	EXPECT_GT( farthestFromPose( *body ), 0.09 );
 }
 
-// A box of a tenth of the mass lies on the arm and bends it; a held arm carries it as a rigid one would, and throws it off.
+// A box of a tenth of the mass lies on the arm and bends it; an arm that is held carries it like a rigid one, and throws it off.
 TEST_P( Following, PushesAndIsPushed )
 {
 	TestWorld test;
@@ -241,7 +241,7 @@ TEST_P( Following, PushesAndIsPushed )
 	EXPECT_GT( box->getLinearVelocity().y(), 1.5 );
 }
 
-// Targets stay with the material when levels change and when the body breaks.
+// Targets follow the material when levels change and when the body breaks.
 TEST_P( Following, KeepsTargetsThroughLevelsAndFracture )
 {
 	TestWorld test;
@@ -274,7 +274,7 @@ TEST_P( Following, KeepsTargetsThroughLevelsAndFracture )
 	{
 		EXPECT_LT( farthestFromPose( *test.world.softBody( k ) ), 2e-3 );
 	}
-	ASSERT_TRUE( setPoseBlend( *test.world.softBody( 1 ), 0 ).ok() ); // each for itself
+	ASSERT_TRUE( setPoseBlend( *test.world.softBody( 1 ), 0 ).ok() ); // each separately
 	test.run( 30 );
 	EXPECT_LT( farthestFromPose( *test.world.softBody( 0 ) ), 2e-3 );
 	EXPECT_GT( farthestFromPose( *test.world.softBody( 1 ) ), 0.5 );
@@ -283,7 +283,7 @@ TEST_P( Following, KeepsTargetsThroughLevelsAndFracture )
 INSTANTIATE_TEST_SUITE_P( Steps, Following, testing::Values( Elasticity::Explicit, Elasticity::Implicit ),
 	[]( const auto& step ) { return std::string( step.param == Elasticity::Implicit ? "Implicit" : "Explicit" ); } );
 
-// Targets of the game's own, and sleep while they stand still.
+// Targets of the game's own, and sleep while they do not move.
 TEST( Skeleton, FollowsGivenTargets )
 {
 	TestWorld test;
@@ -302,7 +302,7 @@ TEST( Skeleton, FollowsGivenTargets )
 	EXPECT_FALSE( body->isActive() );
 	ASSERT_TRUE( setTargets( *body, targets.data(), int( targets.size() ) ).ok() );
 	EXPECT_FALSE( body->isActive() ); // nothing new
-	// Targets move with the origin of the world.
+	// Targets are shifted with the origin of the world.
 	ASSERT_TRUE( test.world.shiftOrigin( btVector3( 64, 0, 0 ) ).ok() );
 	body->activate( true );
 	test.run( 30 );
@@ -392,7 +392,7 @@ TEST( Skeleton, RefusesBadPoses )
 	EXPECT_EQ( setPose( *body, bones, 2 ).code, ResultCode::BadArgument );
 	EXPECT_EQ( setTargets( *body, targets.data(), 1 ).code, ResultCode::BadArgument );
 	EXPECT_EQ( setTargets( *body, nullptr, int( targets.size() ) ).code, ResultCode::BadArgument );
-	test.run( 5 ); // without a pose nothing draws it
+	test.run( 5 ); // without a pose no spring acts on it
 	EXPECT_EQ( poseForce( *body ).force.length(), 0 );
 }
 

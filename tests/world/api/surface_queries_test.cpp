@@ -1,4 +1,4 @@
-// Rays, swept balls and contact tests meet what is drawn of a soft body: whole, bent, cracked, with levels, and without a mesh.
+// Rays, swept balls and contact tests meet the drawn surface of a soft body: whole, bent, cracked, with levels, and without a mesh.
 
 #include "support/surface_queries.h"
 #include "test_meshes.h"
@@ -61,7 +61,7 @@ TEST( SurfaceQueries, MeetAWholeBody )
 	expectDrawn( "turned box", t, *t.addSoft( made( test::makeBox( { -0.5, -0.3, -0.4 }, { 0.5, 0.3, 0.4 } ) ), turned ) );
 }
 
-// Also of a plate, whose large faces outweigh the others in the normals that are drawn at its corners.
+// Also for a plate, whose large faces dominate the drawn normals at its corners.
 TEST( SurfaceQueries, HaveTheNormalsOfFlatFaces )
 {
 	TestWorld t;
@@ -81,7 +81,7 @@ TEST( SurfaceQueries, HaveTheNormalsOfFlatFaces )
 	EXPECT_GT( least, btScalar( 0.9999 ) );
 }
 
-// A ball's normals point from its middle, whatever its triangles are.
+// The normals of a ball point away from its centre, independently of its triangles.
 TEST( SurfaceQueries, HaveTheNormalsOfASmoothSurface )
 {
 	TestWorld t;
@@ -111,7 +111,7 @@ TEST( SurfaceQueries, HaveTheNormalsOfASmoothSurface )
 	EXPECT_LT( worstSweep, 5.0 );
 }
 
-// Vertices are placed for who asks, and for no one else.
+// Vertices are computed for a query only.
 TEST( SurfaceQueries, CostNothingWhereNothingAsks )
 {
 	TestWorld t;
@@ -126,8 +126,8 @@ TEST( SurfaceQueries, CostNothingWhereNothingAsks )
 	EXPECT_GT( soft->impl().queried->surface().bytes(), 0u );
 }
 
-// A skin may be that of a step before (surfaceTolerance), or lie between two steps (setInterpolation). A query meets the body where it is:
-// else a game's physics would depend on when it draws.
+// A skin may be that of an earlier step (surfaceTolerance), or lie between two steps (setInterpolation). A query meets the present surface:
+// otherwise a game's physics would depend on the times at which it draws.
 TEST( SurfaceQueries, DoNotDependOnWhatHasBeenDrawn )
 {
 	const btVector3 from( 0, 2, 0 ), to( 0, -2, 0 );
@@ -156,7 +156,7 @@ TEST( SurfaceQueries, DoNotDependOnWhatHasBeenDrawn )
 	EXPECT_EQ( fractions( true, true ), expected );
 }
 
-// Of triangles that a box meets at once the same one comes first, whatever shape the body had when it was first asked.
+// Of several triangles that a box meets at the same time, the first one reported is independent of the body's shape at the first query.
 TEST( SurfaceQueries, DoNotDependOnWhatWasAskedBefore )
 {
 	std::vector<btVector3> met[2];
@@ -212,7 +212,7 @@ TEST( SurfaceQueries, MeetABodyWithLevels )
 	expectDrawn( "levels", t, *soft );
 }
 
-// Nothing is drawn: the border of the cells is met.
+// Without a drawn mesh queries meet the border of the cells.
 TEST( SurfaceQueries, MeetTheCellsOfABodyWithoutASkin )
 {
 	for ( const int coarse : { 0, 1 } )
@@ -239,7 +239,7 @@ TEST( SurfaceQueries, MeetTheCellsOfABodyWithoutASkin )
 	}
 }
 
-/// What a contact test says: how many points, the deepest, and its normal.
+/// Result of a contact test: number of points, the deepest one, and its normal.
 struct Contacts : btCollisionWorld::ContactResultCallback
 {
 	explicit Contacts( const SoftBody& of ) : soft( of ) {}
@@ -289,7 +289,7 @@ TEST( SurfaceQueries, ContactTestsSeeSmallThings )
 	EXPECT_EQ( none.count, 0 );
 }
 
-// Against everything that has no convex shape: a plane, a mesh, a compound, another soft body.
+// Against objects without a convex shape: a plane, a mesh, a compound, another soft body.
 TEST( SurfaceQueries, ContactTestsKnowAllShapes )
 {
 	TestWorld t;

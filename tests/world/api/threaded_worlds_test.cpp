@@ -1,5 +1,5 @@
 // Soft bodies in Bullet's multithreaded world: dispatcher, islands and solvers on several threads. With a Bullet that is not built for
-// threads (BT_THREADSAFE), as Debian's, the same on one; .ci/run builds one that is.
+// threads (BT_THREADSAFE), such as Debian's, the same on one thread; .ci/run builds one that is.
 
 #include "support/bullet_worlds.h"
 #include "support/explicit_material.h"
@@ -21,7 +21,7 @@ namespace {
 using test::at;
 using test::kFrame;
 
-/// Bullet's tasks on a pool of ours: as many threads as a test asks for, however many processors there are.
+/// Bullet's tasks on a pool of ours, with as many threads as a test requires, independently of the number of processors.
 class PoolScheduler : public btITaskScheduler
 {
 public:
@@ -33,7 +33,7 @@ public:
 		}
 	}
 	int getMaxNumThreads() const override { return kIndices; }
-	int getNumThreads() const override { return kIndices; } // Bullet numbers the threads of all pools in one sequence
+	int getNumThreads() const override { return kIndices; } // Bullet numbers the threads of all pools consecutively
 	void setNumThreads( int count ) override { m_used = std::size_t( count ) - 1; }
 	void parallelFor( int begin, int end, int grain, const btIParallelForBody& body ) override
 	{
@@ -72,7 +72,7 @@ private:
 		btPopThreadsAreRunning();
 	}
 
-	std::vector<std::unique_ptr<TaskRunner>> m_pools; ///< by number of threads less 1
+	std::vector<std::unique_ptr<TaskRunner>> m_pools; ///< by number of threads minus 1
 	std::size_t m_used = 0;
 };
 
@@ -86,7 +86,7 @@ PoolScheduler& scheduler()
 class ThreadedScene
 {
 public:
-	/// With explicit bodies Bullet's near phase is called pair by pair, as the step is divided; without them on all threads at once.
+	/// With explicit bodies Bullet's narrow phase is called pair by pair, since the step is divided; without them on all threads at once.
 	ThreadedScene( int threads, Elasticity elasticity ) : m_threads( useThreads( threads ) )
 	{
 		addBox( 0, btVector3( 50, 1, 50 ), at( 0, -1, 0 ) );
@@ -173,7 +173,7 @@ private:
 		return m_soft.back().get();
 	}
 
-	int m_threads; ///< in use; set before the dispatcher, which asks for it, is made
+	int m_threads; ///< in use; set before the dispatcher, which reads it, is constructed
 	btDefaultCollisionConfiguration m_configuration;
 	btCollisionDispatcherMt m_dispatcher{ &m_configuration, 4 }; ///< 4 pairs a task
 	btDbvtBroadphase m_broadphase;

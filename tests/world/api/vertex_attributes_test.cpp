@@ -1,4 +1,4 @@
-// What drawn vertices come from, tangents, and further render meshes: whole, bent and broken.
+// Sources of drawn vertices, tangents, and further render meshes: whole, bent and broken.
 
 #include "lattice/test_meshes.h"
 #include "support/renderer_buffers.h"
@@ -46,7 +46,7 @@ struct Globe
 	}
 };
 
-/// Cuts a body into two and lets them fall apart.
+/// Cuts a body into two parts and lets them fall.
 void cutInTwo( TestWorld& test, SoftBody& body )
 {
 	body.cutPlane( body.massCentre(), btVector3( 1, btScalar( 0.3 ), 0 ) );
@@ -67,7 +67,7 @@ TEST( VertexSources, AreTheInputsOwnVerticesAsLongAsNothingBreaks )
 	EXPECT_EQ( colours, globe.colours );
 }
 
-// Pieces, and a body that stays in one; asked for before the break, after it, and after the skin was drawn without.
+// Pieces, and a body that stays in one piece; requested before the break, after it, and after the skin was drawn without.
 TEST( VertexSources, GiveTheTextureCoordinatesThatAreDrawn )
 {
 	const Globe globe;
@@ -143,7 +143,7 @@ double angleToTexture( const SoftBody& body )
 	const auto normalAt = [&]( std::uint32_t v ) { return Vec3( Eigen::Map<const Vec3>( surface.normals + 3 * v ) ); };
 	const auto tangentAt = [&]( std::uint32_t v ) { return Vec3( Eigen::Map<const Vec3>( view.tangents + 4 * v ) ); };
 	std::vector<double> angles;
-	std::size_t turned = 0; // corners whose handedness is not their triangle's
+	std::size_t turned = 0; // corners whose handedness differs from their triangle's
 	for ( std::uint32_t v = 0; v < std::uint32_t( surface.vertexCount ); ++v )
 	{
 		EXPECT_NEAR( tangentAt( v ).norm(), 1.0f, 1e-4f );
@@ -159,7 +159,7 @@ double angleToTexture( const SoftBody& body )
 		const Vec3 e = at( c[1] ) - at( c[0] ), f = at( c[2] ) - at( c[0] );
 		if ( e.cross( f ).norm() < 1e-5f || std::abs( det ) < 0.3f * e.cross( f ).norm() )
 		{
-			continue; // slivers, and where the texture is seen from its edge
+			continue; // slivers, and triangles whose texture has no area
 		}
 		const Vec3 along = ( ( d[1] - a[1] ) * e - ( b[1] - a[1] ) * f ) / det;
 		const Vec3 face = e.cross( f ).normalized();
@@ -227,7 +227,7 @@ TEST( Tangents, AreNoneWithoutATexture )
 	EXPECT_EQ( restTangents( *body ).vertexCount, 0 );
 }
 
-// The template's own mesh bound once more is drawn as the body's own skin, whole and broken, by the CPU and by tables.
+// The template's own mesh as a further render mesh is drawn like the body's own skin, whole and broken, by the CPU and by tables.
 TEST( RenderMesh, OfTheSameMeshIsTheSameSkin )
 {
 	const Globe globe;

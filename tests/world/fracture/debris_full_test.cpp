@@ -1,4 +1,4 @@
-// Panes that break for a minute under a budget of debris: what is left stays bounded, and everything is told.
+// Panes that break for a minute under a budget of debris: the number of pieces stays bounded, and all of them are reported.
 
 #include "world/test_world.h"
 
@@ -12,7 +12,7 @@ using test::block;
 using test::stiff;
 using test::TestWorld;
 
-constexpr int kPanes = 200, kFramesAPane = 18, kStands = 60; // frames until the game removes what is left of a pane
+constexpr int kPanes = 200, kFramesAPane = 18, kStands = 60; // frames until the game removes the rest of a pane
 constexpr int kMostPieces = 60, kMostNodes = 1500;
 
 TEST( Debris, OfTwoHundredPanesStaysWithinItsBudget )
@@ -60,14 +60,14 @@ TEST( Debris, OfTwoHundredPanesStaysWithinItsBudget )
 		fragments, removed, mostBodies, 1e3 * early / ( kPanes * kFramesAPane / 4 ), 1e3 * late / ( kPanes * kFramesAPane * 3 / 4 ) );
 	EXPECT_GT( broken, kPanes * 3 / 4 );
 	EXPECT_GT( fragments, 5 * kPanes );
-	// Those over the budget fade for a quarter of a second, in which 15 steps may add pieces.
+	// Pieces over the budget fade for a quarter of a second, in which 15 steps may add pieces.
 	EXPECT_LE( mostBodies, kMostPieces + 15 * 10 + 8 );
 	EXPECT_EQ( test.world.fragmentCount(), fragments - removed );
 	EXPECT_LE( removed, faded );
 	test.run( 60 );
 	EXPECT_LE( test.world.fragmentCount(), kMostPieces );
 	EXPECT_LE( test.world.stepReport().debrisNodes, kMostNodes );
-	EXPECT_LT( late / 3.0, 3.0 * early ); // it does not get slower: three times for other work on the machine
+	EXPECT_LT( late / 3.0, 3.0 * early ); // steps do not become slower: a factor of three allows for other load on the machine
 }
 
 } // namespace

@@ -148,7 +148,7 @@ struct TornBar
 	}
 };
 
-// Two centres of shards off the lattice's axes: the drawn crack is the plane half-way between them.
+// Two centres of shards in a direction oblique to the lattice: the drawn crack is the plane midway between them.
 TEST( Shards, AreDrawnWithTheSmoothBorderBetweenThem )
 {
 	const btVector3 normal = btVector3( 1, btScalar( 0.3 ), btScalar( 0.2 ) ).normalized(), middle( btScalar( 0.021 ), 0, 0 );
@@ -323,7 +323,7 @@ TEST( Debris, FadesBeyondTheBudgetButNotWhatIsKept )
 	EXPECT_EQ( removed, faded );
 	EXPECT_GT( keptPieces, 5 ); // more than the budget
 	EXPECT_EQ( scene.test.world.fragmentCount(), fragments - removed );
-	EXPECT_EQ( scene.test.world.softBodyCount() - keptPieces, 1 ); // of the other body nothing but itself
+	EXPECT_EQ( scene.test.world.softBodyCount() - keptPieces, 1 ); // of the other body only the body itself remains
 	EXPECT_EQ( scene.test.world.stepReport().debrisPieces, scene.test.world.fragmentCount() );
 }
 

@@ -1,4 +1,4 @@
-// What the game changes while a body sleeps, beside what Bullet does to a rigid body; GImpact meshes; debug drawing by flags.
+// Changes that a game makes while a body sleeps, compared with a rigid body in Bullet; GImpact meshes; debug drawing by flags.
 
 #include "world/test_world.h"
 

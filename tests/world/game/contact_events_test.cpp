@@ -90,7 +90,7 @@ TEST_P( EventsOf, TheImpulseOfAHitIsTheChangeOfMomentumInAllStepsOfACall )
 	SoftBody* cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0, 0 ), material() );
 	cube->setContactEvents( true );
 	btRigidBody* ball = t.add( 20, new btSphereShape( 0.2f ), at( 0, 0.6f, 0 ) );
-	ball->setFriction( 0 ); // which the event leaves out
+	ball->setFriction( 0 ); // not copied into the event
 	ball->setLinearVelocity( btVector3( 0, -3, 0 ) );
 	btScalar impulse = 0;
 	for ( int call = 0; call < 20; ++call )
@@ -177,7 +177,7 @@ TEST( ContactEvents, WhatIsRemovedIsNeverNamed )
 	cube->setContactEvents( true );
 	t.run( 20 );
 	ASSERT_EQ( t.world.contactEvents().size(), 2u );
-	for ( const ContactEvent& event : t.world.contactEvents() ) // a game removes what it is told of
+	for ( const ContactEvent& event : t.world.contactEvents() ) // a game removes the bodies of an event
 	{
 		event.other == floor ? t.world.removeRigidBody( floor ) : t.world.removeSoftBody( event.otherSoft );
 	}

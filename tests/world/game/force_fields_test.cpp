@@ -250,7 +250,7 @@ TEST_P( ForcesOn, APlanetPullsSoftAndRigidBodiesAlike )
 	exempt->setFlags( exempt->getFlags() | BT_DISABLE_WORLD_GRAVITY );
 	for ( int frame = 0; frame < 40; ++frame )
 	{
-		t.world.stepSimulation( 3 * kFrame, 3, kFrame ); // forces live on through the three steps of each
+		t.world.stepSimulation( 3 * kFrame, 3, kFrame ); // forces persist through the three steps of each call
 	}
 	EXPECT_LT( soft->massCentre().x(), 15 );
 	EXPECT_NEAR( soft->massCentre().x(), rigid->getCenterOfMassPosition().y(), 0.05 ) << "explicit bodies take shorter steps";
@@ -331,7 +331,7 @@ TEST( ForceFields, AFieldIsInOneWorldOnce )
 	wind.wake();
 }
 
-/// The game's own: a whirl about the y axis that leaves some bodies alone.
+/// A field of the game's own: a vortex about the y axis that does not act on some bodies.
 struct Whirl : ForceField
 {
 	Whirl() : ForceField( kAcceleration ) {}

@@ -1,4 +1,4 @@
-// The origin of a world moves under everything in it, beside a twin that stays where it is.
+// The origin of a world is shifted, compared with an equal world without a shift.
 
 #include "world/test_world.h"
 
@@ -130,7 +130,7 @@ TEST_P( OriginShift, EverythingGoesOnAsInAWorldThatStays )
 		{
 			worst = btMax( worst, ( a[k] - by - b[k] ).length() );
 		}
-		// Rounding of rigid bodies' coordinates, which the impacts magnify.
+		// Rounding errors of rigid bodies' coordinates, which the impacts magnify.
 		ASSERT_LT( worst, frame == 0 ? btScalar( 1e-5 ) : btScalar( 0.02 ) ) << frame;
 		ASSERT_FALSE( shifted.asleep->isActive() ) << frame;
 		ASSERT_EQ( shifted.states(), stays.states() ) << frame;

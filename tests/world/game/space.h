@@ -1,6 +1,6 @@
 #pragma once
 
-// What tests of forces share: materials by density, and a world without gravity.
+// Common to the tests of forces: materials by density, and a world without gravity.
 
 #include "world/test_world.h"
 

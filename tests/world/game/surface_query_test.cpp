@@ -1,4 +1,4 @@
-// Questions about the surface and the volume of a body.
+// Queries about the surface and the volume of a body.
 
 #include "world/game/hollow_box.h"
 #include "world/test_world.h"

@@ -335,7 +335,7 @@ TEST( ImplicitBeside, AJointAddsToTheLoad )
 	}
 }
 
-// Bullet's solver handles joints and other islands; the block works beside any of them.
+// Bullet's solver handles joints and other islands; the block works together with any of Bullet's solvers.
 TEST( ImplicitBeside, EverySolverOfBullet )
 {
 	btNNCGConstraintSolver conjugate;

@@ -121,8 +121,7 @@ TEST( ImplicitSlides, EdgesDoNotBrakeFrictionlessBodies )
 	expectTruth( Slider{ new btCylinderShape( btVector3( 0.2f, 0.1f, 0.2f ) ), 50.0, 0.0, 4.0, 3e6f }, "cylinder" );
 }
 
-// The slab of 400 kg has friction with the floor as well, beside which the friction on the box is negligible; the box's friction must be
-// accurate all the same.
+// The friction of the slab of 400 kg on the floor exceeds the friction on the box by far; the box's friction must be accurate nevertheless.
 TEST( ImplicitSlides, LightBodiesAreBrakedByFrictionAlone )
 {
 	for ( const float youngsModulus : { 1e5f, 3e5f, 3e6f } )

@@ -1,4 +1,4 @@
-// Saving templates, bodies and worlds as a game does, and every misuse of it.
+// Saving templates, bodies and worlds as a game does, and misuse of it.
 
 #include "support/snapshots.h"
 #include "world/test_world.h"
@@ -76,7 +76,7 @@ TEST( Saving, LoadedBodyGoesOnLikeTheSavedOne )
 	}
 }
 
-// Bullet's own sweeps of fast bodies ask before the next step places anything.
+// Bullet's own sweeps of fast bodies are made before the next step updates any surface.
 TEST( Saving, QueriesMeetARestoredBodyAtOnce )
 {
 	TestWorld world, other;
@@ -120,7 +120,7 @@ TEST( Saving, BodyWithoutItsTemplateNeedsItListed )
 	EXPECT_EQ( &loaded.value->bodyTemplate(), cube().get() );
 }
 
-// Bodies of equal templates took over one of them: the others were deleted and made anew.
+// Bodies of equal templates had one of them in common: the others were deleted and built again.
 TEST( Saving, BodiesOfEqualTemplatesStayTheSameBodies )
 {
 	TestWorld world;
@@ -151,7 +151,7 @@ TEST( Saving, FramesThatTheWorldLacksAreRefused )
 	ASSERT_TRUE( frame.ok() ) << frame.status.sentence;
 	const Bytes saved = savedWorld( world.world );
 	ASSERT_TRUE( world.world.removeFrame( frame.value ) );
-	world.add( 1, new btSphereShape( 0.15f ), at( 0, 3, 0 ) ); // in its place
+	world.add( 1, new btSphereShape( 0.15f ), at( 0, 3, 0 ) ); // at the same index
 	const Bytes before = stateOf( world.world );
 	expectRefused( restoreWorld( world.world, saved ).status, "frame" );
 	EXPECT_TRUE( areEqual( stateOf( world.world ), before ) );
@@ -197,7 +197,7 @@ TEST( Saving, GoingBackBeforeABreakKeepsTheBodyAndEndsItsFragments )
 	EXPECT_EQ( body->surface().triangleCount, cube()->triangleCount() );
 }
 
-// Contacts of a deformable body with one in its rigid state name nodes of the first alone, whichever entered the world first.
+// Contacts of a deformable body with one in its rigid state refer to nodes of the deformable one, in any order of insertion.
 TEST( Saving, BodiesInTheirRigidStateComeBack )
 {
 	for ( const bool isRigidFirst : { false, true } )
@@ -281,7 +281,7 @@ TEST( Saving, RigidBodiesComeBackUnlessTheGameDoesIt )
 	}
 }
 
-// A game that removes objects and adds them again finds them by its own numbers.
+// A game that removes objects and adds them again identifies them by its own numbers.
 TEST( Saving, ObjectsAreFoundByTheGamesIds )
 {
 	TestWorld world;

@@ -1,5 +1,5 @@
-// A world that was restored steps on as the one that was saved, to the bit: in the same world after it has gone on, and in another one that
-// was made the same way.
+// A restored world continues like the one that was saved, to the bit: in the same world after further steps, and in another one that was
+// made in the same manner.
 
 #include "support/mesh_of_boxes.h"
 #include "support/snapshots.h"
@@ -21,7 +21,7 @@ struct SnapshotScene
 	const char* name;
 	void ( *build )( TestWorld& );
 	int before, after; ///< steps before it is saved, and after
-	int pieces = 0;    ///< of it at least, in the end
+	int pieces = 0;    ///< smallest number of its pieces at the end
 };
 
 void PrintTo( const SnapshotScene& scene, std::ostream* out )
@@ -35,7 +35,7 @@ const std::shared_ptr<const BodyTemplate>& bar()
 	return made;
 }
 
-/// A bar falls on the floor beside two boxes on one another; a ball falls on it.
+/// A bar falls on the floor next to two stacked boxes; a ball falls on it.
 SoftBody* barAndBoxes( TestWorld& world, Material material, const Adaptivity& adaptivity = {} )
 {
 	world.addFloor();
@@ -77,7 +77,7 @@ Adaptivity levels()
 	return adaptivity;
 }
 
-/// A body hangs from a post, another from it, and a third is pinned to a box that turns.
+/// A body hangs from a post, another from the first, and a third is pinned to a box that rotates.
 void hangingBodies( TestWorld& world )
 {
 	btRigidBody* const post = world.addBox( 0, btVector3( 0.1f, 0.1f, 0.1f ), at( 0, 2, 0 ) );
@@ -137,7 +137,7 @@ const std::shared_ptr<const BodyTemplate>& angle()
 	return made;
 }
 
-/// Stiff bodies and rigid crosses in a heap: which children of two compounds have contacts depends on the past.
+/// Stiff bodies and rigid crosses in a heap: which children of two compounds have contacts depends on the history.
 void compounds( TestWorld& world )
 {
 	world.addFloor();
@@ -158,7 +158,7 @@ void compounds( TestWorld& world )
 	}
 }
 
-/// A soft door on a hinge, which a ball pushes, and a body that moves to a pose.
+/// A soft door on a hinge, which a ball pushes, and a body that follows a pose.
 void doorAndPose( TestWorld& world )
 {
 	world.addFloor();
@@ -167,7 +167,7 @@ void doorAndPose( TestWorld& world )
 	const auto frame = world.world.addFrame( *door, btVector3( -0.25f, 0.8f, 0 ), 0.12f );
 	ASSERT_TRUE( frame.ok() ) << frame.status.sentence;
 	const btTransform hinge = at( -0.3f, 0.8f, 0 );
-	static std::vector<std::unique_ptr<btTypedConstraint>> joints; // longer than the worlds
+	static std::vector<std::unique_ptr<btTypedConstraint>> joints; // outlives the worlds
 	joints.push_back( std::make_unique<btHingeConstraint>(
 		*post, *frame.value, post->getWorldTransform().inverse() * hinge, frame.value->getWorldTransform().inverse() * hinge ) );
 	world.world.addConstraint( joints.back().get() );
@@ -215,7 +215,7 @@ void charactersGhost( TestWorld& world )
 {
 	restingBodies( world );
 	world.addSoft( bar(), at( 0, 0.38f, 0.05f ), soft( Elasticity::Implicit ) );
-	static std::vector<std::unique_ptr<Prober>> probers; // longer than the worlds
+	static std::vector<std::unique_ptr<Prober>> probers; // outlives the worlds
 	probers.push_back( std::make_unique<Prober>( world ) );
 }
 

@@ -287,7 +287,7 @@ TEST( Adaptive, NodesPinnedAsOneAreMergedAgain )
 	EXPECT_EQ( soft->nodePosition( held ), top );
 }
 
-// But not where one of the children was released since, or pinned by itself: a pin holds one node only.
+// But not if one of the children was released since, or pinned separately: a pin holds one node only.
 TEST( Adaptive, NodesPinnedInPartsAreNotMerged )
 {
 	HeldPost post;

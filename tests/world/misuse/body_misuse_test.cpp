@@ -15,7 +15,7 @@ btTransform scaledBy( btScalar factor )
 	return transform;
 }
 
-/// Calls `call` with transforms that are none, or lead too far.
+/// Calls `call` with invalid transforms, and with ones that lead too far away.
 template <class Call>
 Answers forBadTransforms( const Call& call )
 {
@@ -74,7 +74,7 @@ const Misuse kMade[] = {
 		} },
 };
 
-#ifdef NDEBUG // with assertions these end the program at the mistake
+#ifdef NDEBUG // with assertions these abort the program
 const Misuse kNodes[] = {
 	{ "SoftBody::nodePosition", ResultCode::Ok,
 		[]( Scene& s ) {
@@ -180,7 +180,7 @@ const Misuse kSet[] = {
 			return forBadVectors( [&]( const btVector3& v ) {
 				s.body->requestRefinement( v, btVector3( 9, 9, 9 ) );
 				s.body->requestRefinement( btVector3( -9, -9, -9 ), v );
-				s.body->requestRefinement( btVector3( 9, 9, 9 ), btVector3( -9, -9, -9 ) ); // corners the wrong way round
+				s.body->requestRefinement( btVector3( 9, 9, 9 ), btVector3( -9, -9, -9 ) ); // corners in the wrong order
 				return answers( true );
 			} );
 		} },

@@ -1,4 +1,4 @@
-// Calls at the wrong time, and from functions of the game that answer nonsense.
+// Calls at the wrong time, and functions of the game that return nonsense.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/misuse/misuse.h"
@@ -14,7 +14,7 @@
 namespace pliant::test {
 namespace {
 
-/// What a contact callback does, once a step of the world.
+/// The action of a contact callback, once a step of the world.
 std::function<void()> inContact;
 
 bool onProcessed( btManifoldPoint&, void*, void* )
@@ -36,7 +36,7 @@ protected:
 		inContact = nullptr;
 	}
 
-	/// The bytes of a scene after a second, in the middle of which a contact callback makes a call.
+	/// The bytes of a scene after a second, during which a contact callback has made a call.
 	static std::vector<std::byte> after( const std::function<void( Scene& )>& call )
 	{
 		Scene scene( BodyState::Resting );
@@ -84,7 +84,7 @@ TEST_F( MisuseInStep, WhatIsNotForAStepIsRefusedThenAndChangesNothing )
 			EXPECT_TRUE( none.empty() );
 		},
 		[&]( Scene& s ) { expectRefused( restoreWorld( s.home.world, bytes ).status, "restoreWorld" ); },
-		[]( Scene& s ) { // questions, whose answers are of the middle of a step
+		[]( Scene& s ) { // queries, which return the state in the middle of a step
 			static_cast<void>( SurfaceQuery( *s.body ).nearest( btVector3( 0, 0, 0 ) ) );
 			static_cast<void>( s.body->gasVolume() );
 		},
@@ -97,7 +97,7 @@ TEST_F( MisuseInStep, WhatIsNotForAStepIsRefusedThenAndChangesNothing )
 	}
 }
 
-// What is not forbidden in a contact callback does its work there, in the middle of a step, with the body whose contacts are being found.
+// Calls that are allowed in a contact callback take effect there, in the middle of a step, on the body whose contacts are being found.
 const std::function<void( Scene& )> kCallsInContact[] = {
 	[]( Scene& s ) { EXPECT_TRUE( s.body->teleport( at( 0, 1, 0 ) ).ok() ); },
 	[]( Scene& s ) { EXPECT_TRUE( s.body->reset( at( 0, 1, 0 ) ).ok() ); },
@@ -174,7 +174,7 @@ TEST_F( MisuseInStep, BetweenStepsTheSameCallsWork )
 	EXPECT_TRUE( scene.body->isHealthy() );
 }
 
-/// A field that returns no number.
+/// A field that returns numbers that are not finite.
 class Nonsense : public ForceField
 {
 public:
@@ -201,7 +201,7 @@ TEST( MisuseOfFields, ANumberThatIsNoneHarmsNobodyElse )
 	EXPECT_TRUE( std::isfinite( scene.body->massCentre().length() ) );
 }
 
-/// A runner that says it has no threads.
+/// A runner that reports zero threads.
 class NoThreads : public TaskRunner
 {
 public:
@@ -227,7 +227,7 @@ TEST( MisuseOfThreads, ARunnerWithoutThreadsIsOneOfOneThread )
 	scene.home.world.setTaskRunner( nullptr );
 }
 
-// A radius that takes in everything is legal, and Bullet takes no sphere of a million kilometres.
+// A radius that covers everything is valid, but Bullet supports no sphere of a million kilometres.
 TEST( MisuseOfFrames, AHugeRadiusIsThatOfTheBody )
 {
 	Scene scene( BodyState::Resting );
@@ -243,7 +243,7 @@ TEST( MisuseOfFrames, AHugeRadiusIsThatOfTheBody )
 	EXPECT_GT( frame->getInvInertiaDiagLocal().length(), 0 );
 }
 
-// Legal is one body a skin; another one must not read past what the first has left.
+// A skin is for one body; with another body it must not read beyond the data of the first.
 TEST( MisuseOfSkins, AnotherBodyIsDrawnAsItIs )
 {
 	TestWorld t;
@@ -276,7 +276,7 @@ TEST( MisuseOfSkins, AnotherBodyIsDrawnAsItIs )
 	}
 }
 
-// A body that is taken back to before its first crack, and breaks elsewhere, has as many cracks as before: but not the same.
+// A body that is restored to before its first crack, and breaks elsewhere, has as many cracks as before, but different ones.
 TEST( MisuseOfSkins, ARestoredBodyThatBreaksElsewhereIsDrawnAnew )
 {
 	TestWorld t;

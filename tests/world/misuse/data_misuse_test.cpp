@@ -1,4 +1,4 @@
-// Misuse of what bodies are made of, drawn with, posed by and saved as; while a scene goes on.
+// Misuse of the data from which bodies are made, drawn, posed and restored, while a scene continues.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/misuse/misuse.h"
@@ -327,7 +327,7 @@ const Misuse kPosed[] = {
 	{ "poseForce", ResultCode::Ok, []( Scene& s ) { return Answers{ answers( poseForce( *s.body ).force.isZero() ) }; } },
 };
 
-/// Data that is no snapshot of the kind that a load wants.
+/// Data that is not a snapshot of the expected kind.
 template <class Load>
 Answers forBadData( const std::vector<std::byte>& otherKind, const Load& load )
 {
@@ -372,7 +372,7 @@ const Misuse kSaved[] = {
 				saveBody( *s.body ).value, [&s]( BytesView bytes ) { return restoreWorld( s.home.world, bytes ).status; } );
 			std::vector<std::byte> bytes;
 			static_cast<void>( saveWorld( s.elsewhere.world, bytes ) );
-			all.push_back( restoreWorld( s.home.world, bytes ).status ); // of another world
+			all.push_back( restoreWorld( s.home.world, bytes ).status ); // a snapshot of another world
 			return all;
 		},
 		"he " },

@@ -83,7 +83,7 @@ Scene::Scene( BodyState state )
 	for ( SoftBody* each : { body, other } )
 	{
 		each->setSurfaceTolerance( 0 );
-		static_cast<void>( each->surface() ); // what is drawn is a part of the state
+		static_cast<void>( each->surface() ); // the drawn surface is a part of the state
 	}
 	attachment = home.world.attach( *other, 0, *floor ).value;
 	EXPECT_TRUE( elsewhere.world.addForceField( field ).ok() );

@@ -1,7 +1,7 @@
 #pragma once
 
-// Tables of misuses: what each call answers to it, and that nothing in the world has changed, to the byte. tests/house finds the calls by
-// their quoted names, and demands that none of the public headers is missing.
+// Tables of misuses: the result of each call, and a check that nothing in the world has changed, to the byte. tests/house finds the calls
+// by their quoted names, and requires that no call of the public headers is missing.
 
 #include "world/test_world.h"
 
@@ -16,7 +16,7 @@ namespace pliant::test {
 constexpr ResultCode kBad = ResultCode::BadArgument;
 constexpr btScalar kNan = std::numeric_limits<btScalar>::quiet_NaN(), kInf = std::numeric_limits<btScalar>::infinity();
 
-/// What the body that is misused is like.
+/// Kind and state of the misused body.
 enum class BodyState : int
 {
 	Resting,
@@ -36,16 +36,16 @@ constexpr BodyState kBodyStates[] = { BodyState::Resting, BodyState::Asleep, Bod
 	BodyState::Rigid, BodyState::Quarantined, BodyState::Broken, BodyState::Levels, BodyState::Held, BodyState::Elsewhere,
 	BodyState::InNoWorld };
 
-/// A world with a body to misuse, another soft body beside it, and rigid bodies; and a world elsewhere.
+/// A world with a body to misuse, another soft body, and rigid bodies; and a second world.
 class Scene
 {
 public:
 	explicit Scene( BodyState state );
 
-	/// Everything in both worlds, and the body where it is in none.
+	/// Everything in both worlds, and the body if it is in none.
 	std::vector<std::byte> bytes( bool isForComparison ) const;
 	void run( int steps );
-	/// The soft body's stand-in in a manifold; null without a contact.
+	/// The soft body's contact proxy in a manifold; null without a contact.
 	btCollisionObject* proxy() const;
 
 	TestWorld home, elsewhere;
@@ -55,7 +55,7 @@ public:
 	SoftBody *body = nullptr, *other = nullptr;
 	std::unique_ptr<SoftBody> bare, posed, drawn; ///< in no world: without a skin, after bones, after targets
 	int attachment = -1;
-	Wind field; ///< of the world elsewhere
+	Wind field; ///< of the second world
 
 private:
 	std::unique_ptr<SoftBody> m_free;
@@ -66,12 +66,12 @@ using Answers = std::vector<Status>;
 struct Misuse
 {
 	const char* call;            ///< with its class
-	ResultCode code;             ///< of all answers. Ok: the call answers with a neutral value, or ignores what it is given
+	ResultCode code;             ///< of all results. Ok: the call returns a neutral value, or ignores its argument
 	Answers ( *make )( Scene& ); ///< several misuses
-	const char* word = nullptr;  ///< what each sentence names; null: the call
+	const char* word = nullptr;  ///< a word that each sentence contains; null: the call's name
 };
 
-/// An answer that is no Status.
+/// A result that is no Status.
 inline Status answers( bool isAsStated )
 {
 	return isAsStated ? Status{} : Status{ kBad, "the call answers otherwise than its documentation says" };
@@ -105,7 +105,7 @@ Answers forBadIndices( int count, const Call& call )
 	return { call( -1 ), call( count ), call( INT_MAX ), call( INT_MIN ) };
 }
 
-/// Makes each misuse in a scene; expects its answer, that no byte has changed, and that the scene goes on as one that nobody has misused.
+/// Makes each misuse in a scene; expects its result, unchanged bytes, and that the scene continues like one without the misuse.
 void expectNothingChanges( BodyState state, const Misuse* first, const Misuse* last );
 
 template <std::size_t N>

@@ -1,4 +1,4 @@
-// Misuse of worlds: bodies of other worlds and of none, stand-ins for nodes, bad numbers, ids, settings.
+// Misuse of worlds: bodies of other worlds and of none, contact proxies, bad numbers, ids, settings.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/misuse/misuse.h"
@@ -72,7 +72,7 @@ const Misuse kMembers[] = {
 	{ "SoftBodyWorldOver::removeConstraint", ResultCode::Ok,
 		[]( Scene& s ) {
 			btPoint2PointConstraint joint( *s.loose, btVector3( 0, 0, 0 ) );
-			s.home.world.removeConstraint( &joint ); // was never added
+			s.home.world.removeConstraint( &joint ); // has never been added
 			return Answers{ answers( true ) };
 		} },
 	{ "SoftBodyWorldOver::stepSimulation", ResultCode::Ok,

@@ -15,15 +15,15 @@ namespace {
 using test::at;
 using test::TestWorld;
 
-// Crumbs of a vase spun at 13 000 rad/s on the floor: their nodes, mass points, lay nearly on a line, and what touched the material around
-// them had an arm a hundred times as long as theirs.
+// Crumbs of a vase spun at 13 000 rad/s on the floor: their nodes, which are mass points, were nearly collinear, and contacts at the
+// material around them had a hundred times their lever arm.
 TEST( RigidCrumbs, HaveTheInertiaOfTheirMaterial )
 {
 	TestWorld test;
 	test.addFloor();
 	test::MeshOfBoxes mesh;
 	mesh.add( btVector3( 0, 0, 0 ), btVector3( 0.25f, 0.05f, 0.05f ) );
-	mesh.add( btVector3( 0.3f, 0.01f, 0.01f ), btVector3( 0.05f, 0.04f, 0.04f ) ); // its cell's centre is beside the line
+	mesh.add( btVector3( 0.3f, 0.01f, 0.01f ), btVector3( 0.05f, 0.04f, 0.04f ) ); // its cell's centre is off the line
 	const std::shared_ptr<const BodyTemplate> shape = mesh.build( 0.1f );
 	ASSERT_TRUE( shape );
 	Material material = test::stiff( 1e7f );
@@ -53,7 +53,7 @@ void addCrumbs( TestWorld& test, int count )
 	{
 		test::MeshOfBoxes mesh;
 		mesh.add( btVector3( 0, 0, 0 ), half );
-		mesh.add( half, btVector3( 0.01f, 0.01f, 0.01f ) ); // a corner on which it can turn like a top
+		mesh.add( half, btVector3( 0.01f, 0.01f, 0.01f ) ); // a corner on which it can spin like a top
 		shapes.push_back( mesh.build( 0.02f ) );
 		ASSERT_TRUE( shapes.back() );
 	}

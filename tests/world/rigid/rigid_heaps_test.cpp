@@ -1,4 +1,4 @@
-// Bodies in their rigid state as heaps have them: bent by what lies on them, and inside of one another.
+// Bodies in their rigid state as in heaps: bent by loads, and overlapping one another.
 
 #include "body/rigid_state.h"
 #include "world/bodies/soft_body_impl.h"
@@ -30,7 +30,7 @@ btScalar heightOf( const SoftBody& body )
 	return high - test::lowestNode( body );
 }
 
-// It cost all its substeps for as long as the weight lay on it.
+// It used to stay deformable, and took all its substeps as long as the weight lay on it.
 TEST( RigidHeaps, ABodyRestsBentAndIsStraightWithoutItsLoad )
 {
 	TestWorld test;
@@ -64,7 +64,7 @@ TEST( RigidHeaps, ABodyRestsBentAndIsStraightWithoutItsLoad )
 	EXPECT_NEAR( heightOf( *slab ), straight, 0.001f );
 }
 
-// They flew apart at a fifth of the depth in each step, or stayed deformable and inside of one another.
+// They separated by a fifth of the depth in each step, which threw them apart, or stayed deformable and overlapping.
 TEST( RigidHeaps, WhatOverlapsPartsSlowly )
 {
 	TestWorld test;

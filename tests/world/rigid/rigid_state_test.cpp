@@ -1,4 +1,4 @@
-// Material::rigidStrain: bodies that hardly deform move as rigid ones, and deform again when something asks for it.
+// Material::rigidStrain: bodies that hardly deform move as rigid ones, and deform again when necessary.
 
 #include "body/rigid_state.h"
 #include "support/explicit_material.h"
@@ -32,7 +32,7 @@ protected:
 	}
 };
 
-/// A slab that spins about an axis that is none of its own, alone in space.
+/// A slab in empty space that spins about an axis that is not a principal one.
 SoftBody* addSpinning( TestWorld& test, const Material& material )
 {
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -62,7 +62,7 @@ TEST_P( RigidState, KeepsMomentumAndPoseAtBothSeams )
 {
 	TestWorld test;
 	SoftBody* const body = addSpinning( test, material( 1e7f, 0.0f ) );
-	test.run( 60 ); // what the spin stretches has come to rest
+	test.run( 60 ); // the vibration that the spin causes has decayed
 	Material rigid = material( 1e7f );
 	ASSERT_TRUE( body->setMaterial( rigid ).ok() );
 	int frames = 0;
@@ -76,7 +76,7 @@ TEST_P( RigidState, KeepsMomentumAndPoseAtBothSeams )
 	test.run( 10 );
 	const test::Momentum before = test::momentumOf( *body );
 	const std::vector<btVector3> positions = positionsOf( *body );
-	// Back: the game asks for another material, which takes effect at the start of a step.
+	// Back: the game sets another material, which takes effect at the start of a step.
 	rigid.rigidStrain = 0.0f;
 	ASSERT_TRUE( body->setMaterial( rigid ).ok() );
 	test.world.stepSimulation( btScalar( 1e-5 ), 0 );
@@ -131,7 +131,7 @@ TEST_P( RigidState, RestsWhereADeformableBodyRests )
 		EXPECT_EQ( test.world.stepReport().rigidBodies, isRigid ? 2 : 0 );
 		height[isRigid] = double( upper->massCentre().y() );
 	}
-	EXPECT_NEAR( height[1], height[0], 0.15 * 0.1 ); // of which most is the sag of the deformable ones
+	EXPECT_NEAR( height[1], height[0], 0.15 * 0.1 ); // most of it is the sag of the deformable ones
 }
 
 TEST_P( RigidState, DeformsBeforeItIsHit )
@@ -192,7 +192,7 @@ TEST_P( RigidState, ObeysTheGame )
 	ASSERT_TRUE( body->teleport( btTransform( btQuaternion( btVector3( 0, 0, 1 ), SIMD_HALF_PI ), btVector3( 10, 0, 0 ) ) ).ok() );
 	EXPECT_NEAR( body->massCentre().x(), 10, 0.2 );
 	test.run( 1 );
-	EXPECT_NEAR( body->linearVelocity().x(), -2, 1e-4 ); // velocities turn with the body
+	EXPECT_NEAR( body->linearVelocity().x(), -2, 1e-4 ); // velocities rotate with the body
 	ASSERT_TRUE( body->reset( at( 0, 5, 0 ) ).ok() );
 	EXPECT_NEAR( body->massCentre().y(), 5, 1e-4 );
 	EXPECT_NEAR( body->linearVelocity().length(), 0, 1e-6 );
@@ -219,7 +219,7 @@ TEST_P( RigidState, ObeysTheGame )
 	EXPECT_EQ( test.world.softBodyCount(), 2 );
 }
 
-// Fields and blasts changed the nodes' velocities alone, which the rigid motion then overwrote.
+// Fields and explosions used to change the nodes' velocities only, which the rigid motion then overwrote.
 TEST_P( RigidState, FeelsFieldsAndBlasts )
 {
 	btScalar height[2], velocity[2];
@@ -246,7 +246,7 @@ TEST_P( RigidState, FeelsFieldsAndBlasts )
 		test.run( 5 );
 		velocity[isRigid] = body->linearVelocity().x();
 	}
-	EXPECT_NEAR( height[1], height[0], 0.02 ); // the deformable one bobs on
+	EXPECT_NEAR( height[1], height[0], 0.02 ); // the deformable one keeps bobbing
 	EXPECT_NEAR( height[0], 0, 0.05 );         // half of it is in the water
 	EXPECT_GT( velocity[0], 0.05 );
 	EXPECT_NEAR( velocity[1], velocity[0], 0.01 * velocity[0] );
@@ -286,7 +286,7 @@ TEST_P( RigidState, IsTheSameObjectToTheGame )
 	EXPECT_EQ( test.world.softBodyCount(), 0 );
 }
 
-// The contact ended and began anew in events when the node spheres gave way to hulls.
+// The contact used to end and begin again in events when hulls replaced the node spheres.
 TEST_P( RigidState, KeepsItsContactsInEvents )
 {
 	TestWorld test;
@@ -311,7 +311,7 @@ TEST_P( RigidState, KeepsItsContactsInEvents )
 
 TEST_P( RigidState, ShapeFollowsTheMaterial )
 {
-	// A U of three blocks: its hull would hold the gap, into which a ball falls.
+	// A U of three blocks: a single hull would contain the gap, into which a ball falls.
 	TestWorld test;
 	test.addFloor();
 	test::MeshOfBoxes mesh;

@@ -1,4 +1,4 @@
-// The set of colliding nodes and their sizes after links are broken or healed: equal to those computed anew.
+// The set of colliding nodes and their sizes after links are broken or healed: equal to those of a full computation.
 
 #include "body/breaking.h"
 #include "body/levels/levels.h"

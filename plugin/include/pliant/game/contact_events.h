@@ -10,8 +10,8 @@ namespace pliant {
 
 class SoftBody;
 
-/// A soft body and what it touches, in the last stepSimulation. For bodies with SoftBody::setContactEvents only; where both bodies of a
-/// pair have it, each has an event of its own. A pair that sleeps has none.
+/// A soft body and an object that it touches, in the last stepSimulation. For bodies with SoftBody::setContactEvents only; if both bodies
+/// of a pair have it, each has an event of its own. A sleeping pair has none.
 struct ContactEvent
 {
 	SoftBody* body = nullptr;           ///< null once it has left the world

@@ -1,12 +1,12 @@
 #pragma once
 
-// What debugDrawWorld draws of soft bodies.
+// Parts of soft bodies that debugDrawWorld draws.
 
 #include <LinearMath/btScalar.h>
 
 namespace pliant {
 
-/// What debugDrawWorld draws of soft bodies (SoftBodyHost::setDebugDrawing). What is off costs nothing. Bodies are drawn with
+/// Parts of soft bodies that debugDrawWorld draws (SoftBodyHost::setDebugDrawing). Parts that are off cost nothing. Bodies are drawn with
 /// btIDebugDraw::DBG_DrawWireframe, pins and attachments with DBG_DrawConstraints, contacts with DBG_DrawContactPoints.
 struct DebugDrawing
 {

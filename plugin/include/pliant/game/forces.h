@@ -55,15 +55,16 @@ public:
 	/// The force on a part of a soft body's volume, N. Default: none.
 	[[nodiscard]] virtual btVector3 volumeForce( const VolumePoint& point ) const;
 
-	/// Wakes what it acts on. Call it when the field has changed; a change by itself wakes nothing, as with the world's gravity.
+	/// Wakes the bodies that the field acts on. Call it when the field has changed; the change itself wakes nothing, as with the world's
+	/// gravity.
 	void wake();
 
 protected:
-	// What a class implements: the sum of some of these.
+	// The functions that a class implements: the sum of some of these.
 	static constexpr int kAcceleration = 1; ///< acceleration()
 	static constexpr int kSurfaceForce = 2; ///< surfaceForce()
 	static constexpr int kVolumeForce = 4;  ///< volumeForce()
-	/// `kinds`: the sum of the constants above of what the class implements; the other functions are never called.
+	/// `kinds`: the sum of the constants above for the functions that the class implements; the others are never called.
 	explicit ForceField( int kinds ) : m_kinds( kinds ) {}
 
 private:
@@ -89,7 +90,7 @@ class PLIANT_API Wind : public ForceField
 public:
 	/// Settings out of range count as the default ones.
 	explicit Wind( const WindSettings& settings = {} );
-	/// Does not wake what sleeps: see ForceField::wake. Errors: BadSettings.
+	/// Does not wake sleeping bodies: see ForceField::wake. Errors: BadSettings.
 	Status set( const WindSettings& settings );
 	/// The settings.
 	[[nodiscard]] const WindSettings& settings() const { return m_settings; }
@@ -119,7 +120,7 @@ class PLIANT_API Water : public ForceField
 public:
 	/// Settings out of range count as the default ones.
 	explicit Water( const WaterSettings& settings = {} );
-	/// Does not wake what sleeps: see ForceField::wake. Errors: BadSettings.
+	/// Does not wake sleeping bodies: see ForceField::wake. Errors: BadSettings.
 	Status set( const WaterSettings& settings );
 	/// The settings.
 	[[nodiscard]] const WaterSettings& settings() const { return m_settings; }
@@ -171,7 +172,7 @@ struct Explosion
 	btScalar impulse = btScalar( 100 );      ///< on a surface at the centre that faces it, N s/m^2; 0 and above
 	/// How it falls off: with ( 1 - distance / radius )^falloff. 0 (everywhere the same) to 10.
 	btScalar falloff = btScalar( 1 );
-	/// Static and kinematic objects shelter what is behind them. Takes a ray for each point of a surface that faces the centre.
+	/// Static and kinematic objects shelter the surfaces behind them. Casts a ray for each point of a surface that faces the centre.
 	bool isSheltered = false;
 };
 

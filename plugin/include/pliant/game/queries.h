@@ -22,9 +22,9 @@ struct NearestPoint
 	int triangle = -1;                       ///< of the drawn surface (SurfaceView); -1 where the surface is that of the cells
 };
 
-/// The surface of a body at the moment when this is made: the drawn one, with its cracks, where it is closed; else that of its cells
-/// (Skinning::None, open or inconsistent meshes). Make it once a step and ask often; it stays as it is when the body moves on. Do not make
-/// it during a step.
+/// The surface of a body at the time of construction: the drawn one, with its cracks, if it is closed; otherwise that of its cells
+/// (Skinning::None, open or inconsistent meshes). Construct it once a step and query it often; it does not follow the body's motion. Do not
+/// construct it during a step.
 class PLIANT_API SurfaceQuery
 {
 public:

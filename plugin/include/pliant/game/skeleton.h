@@ -35,7 +35,7 @@ struct PosePaint
 {
 	/// Factor on the stiffness of its spring, [0, 1]; 0: it does not follow.
 	float strength = 1.0f;
-	/// It goes no further from its target, m, above 0; default: any distance. Divided by the blend.
+	/// Largest distance from its target, m, above 0; default: any. Divided by the blend.
 	float largestDistance = std::numeric_limits<float>::infinity();
 };
 
@@ -53,8 +53,8 @@ struct PoseSettings
 };
 
 /// Lets a body follow bones: its cells get the weights of the mesh's vertices near them. It follows from the first setPose on; pieces that
-/// break off follow too, and changes of levels leave the targets as they are. Replaces what the body followed before. BadArgument for bad
-/// weights, numbers of bones and counts, and for a template without a skin; BadSettings for `settings` and what `paint` returns.
+/// break off follow too, and changes of levels keep the targets. Replaces the former bones or targets. BadArgument for bad weights, numbers
+/// of bones and counts, and for a template without a skin; BadSettings for `settings` and for bad return values of `paint`.
 PLIANT_API Status followBones( SoftBody& body, const SkinWeights& weights, const PoseSettings& settings = {} );
 /// The same with targets that the game gives by setTargets.
 PLIANT_API Status followTargets( SoftBody& body, const PoseSettings& settings = {} );
@@ -64,10 +64,10 @@ PLIANT_API void stopFollowing( SoftBody& body );
 [[nodiscard]] PLIANT_API bool isFollowing( const SoftBody& body );
 
 /// The pose at the end of the next step of the world, `count` transforms, one for each bone, from mesh coordinates in the bind pose to the
-/// world (of a skeleton: bone times inverse bind matrix); they may scale. Until then the targets move evenly, afterwards they stand still
-/// until the next call. `jumps`: they are there at once, without a velocity, as after a teleport of the character. Wakes the body where
-/// they move. BadArgument for a body that does not follow bones, another count, bad numbers, and where a cell would be further out than
-/// 1e9 m.
+/// world (of a skeleton: bone times inverse bind matrix); they may scale. Until then the targets move evenly, afterwards they keep their
+/// positions until the next call. `jumps`: the targets move there at once, without a velocity, as after a teleport of the character. Wakes
+/// the body if they move. BadArgument for a body that does not follow bones, another count, bad numbers, and where a cell would be farther
+/// than 1e9 m from the origin.
 PLIANT_API Status setPose( SoftBody& body, const btTransform* bones, int count, bool jumps = false );
 /// The same for a body that follows targets: `count` world positions, m, one for each cell of the template (BodyTemplate::cellCount).
 PLIANT_API Status setTargets( SoftBody& body, const btVector3* positions, int count, bool jumps = false );
@@ -80,15 +80,15 @@ PLIANT_API Status setPoseBlend( SoftBody& body, btScalar blend );
 /// The blend last set; 0 for a body that follows nothing.
 [[nodiscard]] PLIANT_API btScalar poseBlend( const SoftBody& body );
 
-/// What the skeleton does to a body.
+/// Force of the skeleton on a body.
 struct PoseForce
 {
 	btVector3 force = btVector3( 0, 0, 0 );  ///< N, the sum over the body
 	btVector3 torque = btVector3( 0, 0, 0 ); ///< N m, about the centre of mass
 };
 
-/// The mean over the last step. The skeleton stands for the character, so nothing gets the opposite of it: a game that wants the flesh to
-/// drag on a rigid body applies it there.
+/// The mean over the last step. The skeleton represents the character, so nothing receives the reaction: a game in which the soft body
+/// should pull on a rigid body applies the reaction there.
 [[nodiscard]] PLIANT_API PoseForce poseForce( const SoftBody& body );
 
 } // namespace pliant

@@ -6,9 +6,9 @@
 //     if ( pliant::saveWorld( world, bytes ).ok() ) ...
 //     const auto restored = pliant::restoreWorld( world, bytes );
 //
-// A world that is restored steps on as the one that was saved, to the bit. Bytes are little-endian, and begin with a version and a
-// checksum. A load refuses what is cut off, damaged, foreign or newer (ResultCode::BadSnapshot), and changes nothing then. Snapshots of
-// bodies and worlds hold numbers of Bullet's precision: a build of the other precision refuses them; templates go with both.
+// A restored world continues like the one that was saved, to the bit. Bytes are little-endian, and begin with a version and a checksum.
+// Truncated, damaged, foreign or newer data is refused (ResultCode::BadSnapshot), and then nothing changes. Snapshots of bodies and worlds
+// hold numbers of Bullet's precision: a build of the other precision refuses them; templates work with both.
 
 #include "pliant/body_template.h"
 #include "pliant/export.h"
@@ -46,8 +46,8 @@ struct SaveSettings
 	/// Whether the templates are stored too. If not, the loader must have them: a snapshot without them has the state only (a rollback).
 	bool withTemplates = true;
 
-	/// Whether a world's snapshot leaves out what depends on where Bullet's objects lie in memory (the trees of its broadphase): worlds in
-	/// equal states then have equal bytes, which tells whether two machines have diverged. Not for restoring to the last bit.
+	/// Whether a world's snapshot omits data that depends on the addresses of Bullet's objects (the trees of its broadphase): worlds in
+	/// equal states then have equal bytes, so that two machines can be compared. Not for restoring to the last bit.
 	bool forComparison = false;
 
 	/// The game's number of an object of the world that is no soft body, by which it is found again. Null: its index among those objects.
@@ -70,7 +70,7 @@ struct LoadSettings
 	bool withRigidBodies = true;
 };
 
-/// What restoreWorld has changed among the bodies of the world.
+/// Changes that restoreWorld made among the bodies of the world.
 struct RestoredWorld
 {
 	/// Bodies that the world had when it was saved and has not had since. The world owns them, as it owns fragments
@@ -95,19 +95,18 @@ PLIANT_API Result<std::vector<std::byte>> saveBody( const SoftBody& body, const 
 /// OutOfMemory.
 PLIANT_API SoftBodyResult loadBody( BytesView bytes, const LoadSettings& settings = {} );
 
-/// Saves all soft bodies of a world with their contacts, pins and attachments, and what Bullet carries from step to step: contacts of rigid
-/// bodies, broadphase, motion and sleep. Call it between steps. `bytes`: replaced; its memory is used again, so that a game that saves
-/// every step allocates nothing. Errors: OutOfMemory; BadArgument where a settings' id occurs twice,
-/// and during a step.
+/// Saves all soft bodies of a world with their contacts, pins and attachments, and the state that Bullet carries from step to step:
+/// contacts of rigid bodies, broadphase, motion and sleep. Call it between steps. `bytes`: replaced; its memory is reused, so that a game
+/// that saves every step allocates nothing. Errors: OutOfMemory; BadArgument if an id occurs twice in the settings, and during a step.
 PLIANT_API Status saveWorld( const SoftBodyHost& world, std::vector<std::byte>& bytes, const SaveSettings& settings = {} );
 
-/// Restores a world, between steps. It must have the objects that are no soft bodies that it had when it was saved, in the same order or
-/// with ids, and the same settings. Bodies that are still there keep their address, whatever has broken since; see RestoredWorld for
-/// others. The game's contact callbacks are not called, but for gContactDestroyedCallback with what it has put into contact points. Errors:
-/// BadSnapshot, OutOfMemory, BadArgument during a step: nothing has changed.
+/// Restores a world, between steps. Its objects other than soft bodies must be those at the time of saving, in the same order or with ids,
+/// and its settings the same. Bodies that still exist keep their address, whether they have broken since or not; see RestoredWorld for
+/// others. The game's contact callbacks are not called, except gContactDestroyedCallback with the data that it has stored in contact
+/// points. Errors: BadSnapshot, OutOfMemory, BadArgument during a step: nothing has changed.
 PLIANT_API Result<RestoredWorld> restoreWorld( SoftBodyHost& world, BytesView bytes, const LoadSettings& settings = {} );
 
-/// Writes a .bullet file: what the world's `serialize` writes, and a chunk with the snapshot of saveWorld, which other importers skip.
+/// Writes a .bullet file: the output of the world's `serialize`, and a chunk with the snapshot of saveWorld, which other importers skip.
 /// Errors: as for saveWorld.
 PLIANT_API Status saveBulletFile( SoftBodyHost& world, btSerializer& serializer, const SaveSettings& settings = {} );
 

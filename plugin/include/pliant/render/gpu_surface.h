@@ -28,7 +28,7 @@ struct GpuSurfaceView
 	/// Of each node 12 floats: the rows of a 3 x 4 matrix, from SkinVertex::rest to the world's axes relative to `origin`, m.
 	const float* nodeTransforms = nullptr;
 	int nodeCount = 0; ///< transforms in `nodeTransforms`
-	/// Turns SkinOffset::offset into the world and lets it fade: 3 x 3, row by row. Of use while `offsets` has entries.
+	/// Rotates SkinOffset::offset into the world and lets it fade: 3 x 3, row by row. Used while `offsets` has entries.
 	float offsetTurn[9] = { 0, 0, 0, 0, 0, 0, 0, 0, 0 };
 	unsigned frame = 0; ///< changes when `origin`, `nodeTransforms` or `offsetTurn` do
 

@@ -39,7 +39,7 @@ private:
 	std::unique_ptr<Data> m_data;
 };
 
-/// A render mesh on one body: keeps what was drawn last. Make one for each body and mesh, fragments too. It does not refer to the body
+/// A render mesh on one body, with its last drawn state. Make one for each body and mesh, fragments too. It does not refer to the body
 /// between calls. Changes of levels show at once here, where the body's own skin fades them.
 class PLIANT_API RenderSkin
 {
@@ -51,8 +51,8 @@ public:
 	RenderSkin& operator=( const RenderSkin& ) = delete;
 
 	/// As SoftBody::surface, of this mesh: computed if the body has moved. Pointers stay valid until the call after the next. Empty for a
-	/// body of another template, and for a broken body where the cracks of the mesh cannot be computed. Give one skin the same body always:
-	/// for another one all is computed again, and what a renderer keeps by `topologyVersion` may be that of the first.
+	/// body of another template, and for a broken body if the cracks of the mesh cannot be computed. Use one skin with the same body
+	/// always: for another one everything is recomputed, and data that a renderer keeps by `topologyVersion` may be that of the first.
 	SurfaceView surface( const SoftBody& body );
 	/// As SoftBody::gpuSurface, of this mesh. Pointers stay valid until the next step or call. Empty as above.
 	GpuSurfaceView gpuSurface( const SoftBody& body );

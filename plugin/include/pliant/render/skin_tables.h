@@ -1,6 +1,6 @@
 #pragma once
 
-// What a renderer needs to skin a body itself: records that fit a shader's storage buffer (std430) or texel buffer as they are.
+// Data for renderers that skin bodies themselves: records in the layout of a shader's storage buffer (std430) or texel buffer.
 
 #include <cstdint>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Tangents, and what other attributes of vertices follow from. Computed when asked for; a body that is not asked pays nothing.
+// Tangents, and sources of vertices for other attributes. Computed on request, without a cost for other bodies.
 
 #include "pliant/render/vertex_source.h"
 #include "pliant/soft_body.h"
@@ -18,7 +18,7 @@ struct TangentView
 	unsigned frame = 0;           ///< as SurfaceView::frame; of rest tangents 0
 };
 
-/// What the vertices of SoftBody::surface and gpuSurface come from. Pointers stay valid until the next call after the body breaks. Empty
+/// The sources of the vertices of SoftBody::surface and gpuSurface. Pointers stay valid until the next call after the body breaks. Empty
 /// with Skinning::None. To be called as SoftBody::surface is.
 PLIANT_API VertexSourceView vertexSources( const SoftBody& body );
 

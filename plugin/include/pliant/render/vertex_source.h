@@ -1,6 +1,6 @@
 #pragma once
 
-// What the vertices of a drawn surface come from, so that a game derives any attribute of them: colours, further texture coordinates,
+// The sources of the vertices of a drawn surface, from which a game derives any attribute of them: colours, further texture coordinates,
 // weights of its own.
 
 #include "pliant/export.h"
