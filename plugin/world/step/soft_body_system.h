@@ -86,6 +86,8 @@ public:
 	/// Whether the stages of a step run, and what they call: contact callbacks, force fields. Then the world's arrays hold a part of its
 	/// objects, and tasks may be running.
 	bool areStagesRunning = false;
+	/// The same, and outside of a step that fields are being called.
+	bool isBusy() const { return areStagesRunning || fields.areActing; }
 	/// Call when the game changes what a body's implicit equations are made of. In the middle of a step the body moves freely for the rest
 	/// of the pass, because the equations are those of before.
 	void equationsChanged( SoftBody& body ) const;

@@ -40,7 +40,7 @@ void WorldStep::openTick()
 
 bool WorldStep::beginTick( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep )
 {
-	if ( bodies.areStagesRunning )
+	if ( bodies.isBusy() )
 	{
 		return false; // called from within a step
 	}
