@@ -125,6 +125,7 @@ void WorldStep::forgetObject( btCollisionObject& object )
 	if ( btRigidBody* const body = btRigidBody::upcast( &object ) )
 	{
 		m_rigid.forget( body );
+		m_kinematic.forget( *body );
 		bodies.fields.forget( *body );
 	}
 }
