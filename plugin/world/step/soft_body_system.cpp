@@ -315,7 +315,8 @@ void SoftBodySystem::copyIslandTags()
 	}
 }
 
-void SoftBodySystem::solveImplicit( btDispatcher& dispatcher, const btContactSolverInfo& info )
+void SoftBodySystem::solveImplicit(
+	const btAlignedObjectArray<btTypedConstraint*>& joints, btDispatcher& dispatcher, const btContactSolverInfo& info )
 {
 	for ( SoftBody* body : m_bodies )
 	{
@@ -324,7 +325,7 @@ void SoftBodySystem::solveImplicit( btDispatcher& dispatcher, const btContactSol
 	double spent = 0.0; // s, counted as matching and not as Bullet's solver
 	{
 		Stopwatch watch( spent );
-		implicitSolve().before( m_awake, attachments, dispatcher, info, tasks() );
+		implicitSolve().before( m_awake, attachments, joints, dispatcher, info, tasks() );
 	}
 	report.matching += spent;
 	report.solve -= spent; // the caller's stopwatch includes it

@@ -116,8 +116,9 @@ public:
 	/// Neither a soft body nor a field is in the world, and nothing of them is left to do: Bullet's world steps alone, and the host passes
 	/// its stages by.
 	bool isPlain = false;
-	/// Solves implicit bodies and what they touch before Bullet's solver; noteSolved() then reads that solver's results.
-	void solveImplicit( btDispatcher& dispatcher, const btContactSolverInfo& info );
+	/// Solves implicit bodies and what they touch before Bullet's solver; noteSolved() then reads that solver's results. `joints`: of the
+	/// pass.
+	void solveImplicit( const btAlignedObjectArray<btTypedConstraint*>& joints, btDispatcher& dispatcher, const btContactSolverInfo& info );
 	void noteSolved() { implicitSolve().after(); }
 	void giveFrames( btScalar h ); ///< the velocities of their patches, before the solver
 	void readFrames( btScalar h ); ///< what joints have changed, to the patches' nodes

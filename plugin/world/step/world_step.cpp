@@ -319,7 +319,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 	}
 	if ( m_isStepping )
 	{
-		bodies.solveImplicit( dispatcher, info );
+		bodies.solveImplicit( m_parts.constraints, dispatcher, info );
 		frictionTorque.aim( dispatcher );
 		bodies.giveFrames( info.m_timeStep );
 	}
