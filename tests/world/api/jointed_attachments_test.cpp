@@ -3,6 +3,7 @@
 #include "world/test_world.h"
 
 #include <memory>
+#include <string>
 
 namespace pliant {
 namespace {
@@ -79,6 +80,12 @@ struct Jointed
 	}
 };
 
+std::string nameOfJointed( const testing::TestParamInfo<JointedCase>& given )
+{
+	static const char* const kNames[] = { "Point", "Hinge", "Motor", "Fixed", "Crank" };
+	return std::string( given.param.elasticity == Elasticity::Explicit ? "Explicit" : "Implicit" ) + kNames[int( given.param.kind )];
+}
+
 class OnJoints : public testing::TestWithParam<JointedCase>
 {};
 
@@ -88,10 +95,7 @@ INSTANTIATE_TEST_SUITE_P( Joints, OnJoints,
 		JointedCase{ Elasticity::Explicit, JointKind::Motor }, JointedCase{ Elasticity::Implicit, JointKind::Motor },
 		JointedCase{ Elasticity::Explicit, JointKind::Fixed }, JointedCase{ Elasticity::Implicit, JointKind::Fixed },
 		JointedCase{ Elasticity::Explicit, JointKind::Crank }, JointedCase{ Elasticity::Implicit, JointKind::Crank } ),
-	[]( const auto& given ) {
-		const char* const names[] = { "Point", "Hinge", "Motor", "Fixed", "Crank" };
-		return std::string( given.param.elasticity == Elasticity::Explicit ? "Explicit" : "Implicit" ) + names[int( given.param.kind )];
-	} );
+	nameOfJointed );
 
 TEST_P( OnJoints, WhatIsHeavierThanTheBodyOnTheJointStaysWithIt )
 {
