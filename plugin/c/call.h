@@ -38,6 +38,18 @@ inline pliant_result refuseNull() noexcept
 	return refuse( PLIANT_BAD_ARGUMENT, "A pointer is null that must not be." );
 }
 
+/// Writes an answer.
+template <class T>
+pliant_result give( T value, T* out )
+{
+	if ( !out )
+	{
+		return refuseNull();
+	}
+	*out = value;
+	return PLIANT_OK;
+}
+
 /// Size of a structure in the first version that had it; when one grows, it gets a specialisation with its former size.
 template <class T>
 inline constexpr std::uint32_t kFirstSize = sizeof( T );

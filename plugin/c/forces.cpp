@@ -1,4 +1,4 @@
-// Wind, water and gas.
+// Wind, water, fields of accelerations, explosions and gas.
 
 #include "pliant/c/forces.h"
 #include "c/handles.h"
@@ -31,6 +31,39 @@ pliant_water inC( const WaterSettings& settings )
 	c.velocity = vectorOf( settings.velocity );
 	return c;
 }
+
+pliant_explosion inC( const Explosion& explosion )
+{
+	pliant_explosion c{};
+	c.is_sheltered = explosion.isSheltered ? 1 : 0;
+	c.centre = vectorOf( explosion.centre );
+	c.radius = double( explosion.radius );
+	c.impulse = double( explosion.impulse );
+	c.falloff = double( explosion.falloff );
+	return c;
+}
+
+/// A field that asks the game; what its function throws ends there, where tasks could not pass it on.
+class Acceleration : public ForceField
+{
+public:
+	Acceleration( pliant_acceleration function, void* context ) : ForceField( kAcceleration ), m_function( function ), m_context( context )
+	{}
+	btVector3 acceleration( const btVector3& position ) const override
+	{
+		const double at[3] = { double( position.x() ), double( position.y() ), double( position.z() ) };
+		double sum[3] = { 0, 0, 0 };
+		static_cast<void>( call( [&]() -> pliant_result {
+			m_function( at, sum, m_context );
+			return PLIANT_OK;
+		} ) );
+		return btVector3( btScalar( sum[0] ), btScalar( sum[1] ), btScalar( sum[2] ) );
+	}
+
+private:
+	pliant_acceleration m_function;
+	void* m_context;
+};
 
 WindSettings inCpp( const pliant_wind& c )
 {
@@ -99,6 +132,46 @@ pliant_result pliant_world_set_wind( pliant_world* world, const pliant_wind* win
 pliant_result pliant_world_set_water( pliant_world* world, const pliant_water* water )
 {
 	return setField<Water, WaterSettings>( world, &pliant_world::water, water );
+}
+
+pliant_result pliant_world_set_acceleration( pliant_world* world, pliant_acceleration field, void* context )
+{
+	return withWorld( world, [&]( SoftBodyHost& host ) {
+		std::unique_ptr<ForceField> made = field ? std::make_unique<Acceleration>( field, context ) : nullptr;
+		Status status = made ? host.addForceField( *made ) : Status{};
+		const bool isRefused = !status.ok() || ( world->acceleration && !host.removeForceField( *world->acceleration ) );
+		if ( isRefused )
+		{
+			return status.ok() ? refuse( PLIANT_BAD_ARGUMENT, "A field may not replace itself." ) : resultOf( status );
+		}
+		world->acceleration = std::move( made );
+		return pliant_result( PLIANT_OK );
+	} );
+}
+
+pliant_result pliant_explosion_init( pliant_explosion* explosion, uint32_t size )
+{
+	return writeSized( inC( Explosion{} ), explosion, size );
+}
+
+pliant_result pliant_world_explode_as( pliant_world* world, const pliant_explosion* explosion, int32_t* pushed )
+{
+	return withWorld( world, [&]( SoftBodyHost& host ) {
+		pliant_explosion full = inC( Explosion{} );
+		if ( const pliant_result code = explosion ? readSized( explosion, full ) : refuseNull(); code != PLIANT_OK )
+		{
+			return code;
+		}
+		const Result<int> result = host.explode( Explosion{ vectorOf( full.centre ), btScalar( full.radius ), btScalar( full.impulse ),
+			btScalar( full.falloff ), full.is_sheltered != 0 } );
+		result.ok() && pushed ? void( *pushed = result.value ) : void();
+		return resultOf( result.status );
+	} );
+}
+
+pliant_result pliant_body_get_gas_volume( const pliant_world* world, pliant_id body, int32_t cavity, double* volume )
+{
+	return withSoft( world, body, [&]( SoftBody& soft ) { return give( double( soft.gasVolume( cavity ) ), volume ); } );
 }
 
 pliant_result pliant_body_set_gas( pliant_world* world, pliant_id body, int32_t law, double pressure, double outside )

@@ -7,6 +7,7 @@
 
 #include "c/call.h"
 #include "pliant/body_template.h"
+#include "pliant/c/body.h"
 #include "pliant/c/types.h"
 #include "pliant/contact_solver.h"
 #include "pliant/soft_body_world.h"
@@ -68,9 +69,10 @@ struct pliant_world
 	std::unordered_map<const pliant::SoftBody*, std::unique_ptr<pliant::SoftBody>> madeSoft;
 	std::unordered_map<pliant_id, pliant::c::Other> others;
 	std::unordered_map<const btCollisionObject*, pliant_id> idsOfOthers;
-	pliant_id lastOther = 1;              ///< identity last given to an object that is no soft body
-	std::unique_ptr<pliant::Wind> wind;   ///< null: none
-	std::unique_ptr<pliant::Water> water; ///< null: none
+	pliant_id lastOther = 1;                          ///< identity last given to an object that is no soft body
+	std::unique_ptr<pliant::Wind> wind;               ///< null: none
+	std::unique_ptr<pliant::Water> water;             ///< null: none
+	std::unique_ptr<pliant::ForceField> acceleration; ///< null: none
 	/// Soft bodies destroyed through C that FractureEvents of the last step may still point to.
 	std::vector<const pliant::SoftBody*> destroyed;
 
@@ -90,6 +92,11 @@ pliant_id identityOf( pliant_world& world, const btCollisionObject* object );
 pliant_id identityOf( const SoftBody& body );
 /// The same for a soft body that a FractureEvent points to; 0 where it has been destroyed since.
 pliant_id identityInEvent( const pliant_world& world, const SoftBody* body );
+
+/// The settings that concern a body's membership of the world: the defaults for null.
+pliant_result takeMembership( const pliant_body_settings* given, pliant_body_settings& full );
+/// Adds a body to the world, which then owns it.
+pliant_result addMade( pliant_world& world, std::unique_ptr<SoftBody> body, const pliant_body_settings& full, pliant_id& made );
 
 /// The reason why an identity names no object of the required kind.
 pliant_result refuseIdentity( const pliant_world* world, pliant_id id, const char* kind ) noexcept;

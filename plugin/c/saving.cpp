@@ -1,4 +1,8 @@
+// Worlds and bodies as bytes.
+
 #include "c/handles.h"
+#include "c/numbers.h"
+#include "pliant/c/body.h"
 #include "pliant/c/world.h"
 #include "pliant/io/snapshot.h"
 #include "world/bodies/soft_body_impl.h"
@@ -32,6 +36,22 @@ void takeOver( pliant_world& world, const std::vector<SoftBody*>& created )
 	}
 }
 
+const char* const kBadFlags = "The flags have a bit that is none of PLIANT_SAVE_... or not for this call.";
+
+/// False for a list, or a template in it, that is null.
+bool takeTemplates( const pliant_template* const* given, std::uint64_t count, LoadSettings& settings )
+{
+	for ( std::uint64_t k = 0; k < count; ++k )
+	{
+		if ( !given || !given[k] )
+		{
+			return false;
+		}
+		settings.templates.push_back( given[k]->shared );
+	}
+	return true;
+}
+
 void dropRemoved( pliant_world& world, const std::vector<SoftBody*>& removed )
 {
 	for ( const SoftBody* const body : removed )
@@ -53,7 +73,7 @@ pliant_result pliant_world_save( const pliant_world* world, uint32_t flags, plia
 		}
 		if ( flags > ( PLIANT_SAVE_STATE_ONLY | PLIANT_SAVE_FOR_COMPARISON ) )
 		{
-			return refuse( PLIANT_BAD_ARGUMENT, "The flags have a bit that is none of PLIANT_SAVE_..." );
+			return refuse( PLIANT_BAD_ARGUMENT, kBadFlags );
 		}
 		SaveSettings settings;
 		settings.withTemplates = ( flags & PLIANT_SAVE_STATE_ONLY ) == 0;
@@ -66,18 +86,10 @@ pliant_result pliant_world_restore(
 	pliant_world* world, const void* data, uint64_t byte_count, const pliant_template* const* templates, uint64_t template_count )
 {
 	return withWorld( world, [&]( SoftBodyHost& host ) {
-		if ( !data || ( !templates && template_count > 0 ) )
+		LoadSettings settings;
+		if ( !data || !takeTemplates( templates, template_count, settings ) )
 		{
 			return refuseNull();
-		}
-		LoadSettings settings;
-		for ( std::uint64_t k = 0; k < template_count; ++k )
-		{
-			if ( !templates[k] )
-			{
-				return refuseNull();
-			}
-			settings.templates.push_back( templates[k]->shared );
 		}
 		const auto restored = restoreWorld( host, BytesView( static_cast<const std::byte*>( data ), std::size_t( byte_count ) ), settings );
 		if ( restored.ok() )
@@ -87,5 +99,46 @@ pliant_result pliant_world_restore(
 			takeOver( *world, restored.value.created );
 		}
 		return resultOf( restored.status );
+	} );
+}
+
+pliant_result pliant_body_save( const pliant_world* world, pliant_id body, uint32_t flags, pliant_buffer* bytes )
+{
+	return withSoft( world, body, [&]( SoftBody& soft ) {
+		if ( !bytes )
+		{
+			return refuseNull();
+		}
+		if ( flags != PLIANT_SAVE_ALL && flags != PLIANT_SAVE_STATE_ONLY )
+		{
+			return refuse( PLIANT_BAD_ARGUMENT, kBadFlags );
+		}
+		SaveSettings settings;
+		settings.withTemplates = flags == PLIANT_SAVE_ALL;
+		auto saved = saveBody( soft, settings );
+		if ( saved.ok() )
+		{
+			bytes->bytes = std::move( saved.value );
+		}
+		return resultOf( saved.status );
+	} );
+}
+
+pliant_result pliant_body_load( pliant_world* world, const void* data, uint64_t byte_count, const pliant_template* const* templates,
+	uint64_t template_count, const pliant_body_settings* settings, pliant_id* made )
+{
+	return withWorld( world, [&]( SoftBodyHost& ) {
+		LoadSettings load;
+		if ( !data || !made || !takeTemplates( templates, template_count, load ) )
+		{
+			return refuseNull();
+		}
+		pliant_body_settings full;
+		if ( const pliant_result code = takeMembership( settings, full ); code != PLIANT_OK )
+		{
+			return code;
+		}
+		SoftBodyResult body = loadBody( BytesView( static_cast<const std::byte*>( data ), std::size_t( byte_count ) ), load );
+		return body.ok() ? addMade( *world, std::move( body.value ), full, *made ) : resultOf( body.status );
 	} );
 }

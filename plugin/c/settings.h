@@ -5,10 +5,12 @@
 #include "pliant/adaptivity.h"
 #include "pliant/attachment.h"
 #include "pliant/body_template.h"
+#include "pliant/c/body.h"
 #include "pliant/c/settings.h"
 #include "pliant/c/template.h"
 #include "pliant/fracture.h"
 #include "pliant/material.h"
+#include "pliant/soft_body.h"
 
 namespace pliant::c {
 
@@ -22,7 +24,11 @@ pliant_result take( const pliant_attachment_settings* given, AttachmentSettings&
 /// Without runner and progress. `full`: the same with defaults where the caller's version has no field.
 pliant_result take( const pliant_lattice_settings* given, LatticeSettings& out, pliant_lattice_settings& full );
 
+/// A mesh, which is read during the call only.
+pliant_result takeMesh( const pliant_mesh* mesh, MeshView& view );
+
 // To C, without size.
+pliant_surface inC( const SurfaceView& view );
 pliant_material inC( const Material& material );
 pliant_fracture inC( const Fracture& fracture );
 pliant_adaptivity inC( const Adaptivity& adaptivity );

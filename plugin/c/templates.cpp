@@ -29,6 +29,8 @@ bool reportProgress( float fraction, void* context )
 	return progress.function( fraction, progress.context ) != 0;
 }
 
+} // namespace
+
 pliant_result takeMesh( const pliant_mesh* mesh, MeshView& view )
 {
 	if ( !mesh )
@@ -50,8 +52,6 @@ pliant_result takeMesh( const pliant_mesh* mesh, MeshView& view )
 	view.tangents = full.tangents;
 	return PLIANT_OK;
 }
-
-} // namespace
 
 } // namespace pliant::c
 

@@ -250,6 +250,14 @@ inline constexpr double kLeastLinkMobility = 1e-6;
 /// Directions in which joints hold a link have this fraction of the mobility of the free link: an exactly locked axis has no mass matrix.
 inline constexpr double kLockedLinkMobility = 1e-3;
 
+/// The same for a rigid body on Bullet's joints, which may be a hundred times lighter than what is attached to it.
+inline constexpr double kLockedJointMobility = 1e-4;
+/// Most rigid bodies that joints join to one that something is attached to: their mobility is a dense matrix. Larger groups count as bodies
+/// without joints.
+inline constexpr std::size_t kMostJoined = 32;
+/// Relative regularisation of the joints' equations: hinges on both sides of a door say the same twice.
+inline constexpr double kJointRounding = 1e-6;
+
 // --- Bodies in their rigid state (Material::rigidStrain) ---
 
 /// A hull may have this multiple of the volume of its material; where it has more, its nodes are divided among two.

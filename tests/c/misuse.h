@@ -36,7 +36,7 @@ struct Named
 #define PLIANT_NAMED( ... )                                                                                                                \
 	Named                                                                                                                                  \
 	{                                                                                                                                      \
-		#__VA_ARGS__, []( const Target& t ) { return __VA_ARGS__; }                                                                        \
+		#__VA_ARGS__, []( [[maybe_unused]] const Target& t ) { return __VA_ARGS__; }                                                       \
 	}
 
 /// A soft body, a ball, and identities of objects that no longer exist.

@@ -44,6 +44,7 @@ const std::vector<std::vector<const char*>> kSubfolders = {
 		"plugin/world/respond/", "plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/joints/",
 		"plugin/world/implicit/", "plugin/world/rigid/", "plugin/world/game/", "plugin/world/bodies/", "plugin/world/step/",
 		"plugin/world/api/", "plugin/world/io/" },
+	{ "plugin/c/", "plugin/c/soft/" },
 };
 
 constexpr std::size_t kMostFilesOfAFolder = 20;

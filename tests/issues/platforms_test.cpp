@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace pliant {
 namespace {
@@ -139,6 +140,98 @@ TEST_P( Platforms, ShakeBodiesOnThem )
 	const Carried twin = rigid( course );
 	const Carried found = soft( course, 1e6f );
 	EXPECT_NEAR( found.farthest, twin.farthest, btScalar( 0.1 ) * twin.farthest );
+}
+
+/// How a light stiff cube and its rigid twin move with a lift or a shuttle of 1 m/s: at the end of each step.
+struct Ride
+{
+	btScalar highest = 0;                                       ///< above its rest on the plate in the second half, m
+	btVector3 velocity = btVector3( 0, 0, 0 ), twin = velocity; ///< in the last step, m/s
+};
+
+Ride rideOf( Elasticity elasticity, const btVector3& course, int gameSteps )
+{
+	test::TestWorld own;
+	RigidScene scene( own.world );
+	btRigidBody* const plate = scene.addKinematic( btVector3( 4, kTop, 2 ), at( 0, 0, 0 ) );
+	Material material = test::stepping( elasticity, 1e6f );
+	material.density = 8; // 1 kg
+	SoftBody* const body = own.addSoft( test::cubeTemplate( 2 * float( kHalf ), 5 ), at( 0, kTop + kHalf, 0 ), material );
+	btRigidBody* const box = scene.addBox( 1, btVector3( kHalf, kHalf, kHalf ), at( 2, kTop + kHalf, 0 ) );
+	own.run( 30 );
+	Ride ride;
+	for ( int k = 1; k <= kCarry / gameSteps; ++k )
+	{
+		plate->setWorldTransform( btTransform( btQuaternion::getIdentity(), course * ( btScalar( k * gameSteps ) * kFrame ) ) );
+		own.world.stepSimulation( btScalar( gameSteps ) * kFrame, gameSteps );
+		const btScalar above = body->massCentre().y() - plate->getWorldTransform().getOrigin().y() - kTop - kHalf;
+		ride.highest = k > kCarry / gameSteps / 2 ? btMax( ride.highest, above ) : 0; // it rebounds when the plate starts
+	}
+	ride.velocity = body->linearVelocity();
+	ride.twin = box->getLinearVelocity();
+	return ride;
+}
+
+// Steps of the game, and of a game that falls behind and makes two at once.
+TEST_P( Platforms, LiftsDoNotThrowLightBodies )
+{
+	for ( const btScalar speed : { btScalar( 1 ), btScalar( -1 ) } )
+	{
+		for ( const int gameSteps : { 1, 2 } )
+		{
+			const Ride ride = rideOf( GetParam().elasticity, btVector3( 0, speed, 0 ), gameSteps );
+			SCOPED_TRACE( std::to_string( gameSteps ) + " steps at " + std::to_string( speed ) );
+			EXPECT_LT( ride.highest, 0.04 ); // as the rigid one: it is ahead by the way of a stepSimulation
+			EXPECT_NEAR( ride.velocity.y(), ride.twin.y(), 0.1 );
+		}
+	}
+}
+
+// What hangs on a shuttle by pins or attachments flies on with its velocity when it is let go.
+TEST_P( Platforms, ShuttlesGiveTheirVelocity )
+{
+	for ( const bool isPinned : { false, true } )
+	{
+		test::TestWorld own;
+		RigidScene scene( own.world );
+		btRigidBody* const plate = scene.addKinematic( btVector3( kHalf, kTop, kHalf ), at( 0, 5, 0 ) );
+		Material material = test::stepping( GetParam().elasticity, 1e6f );
+		material.density = 8;
+		SoftBody* const body = own.addSoft( test::cubeTemplate( 2 * float( kHalf ), 5 ), at( 0, 5 - kTop - kHalf, 0 ), material );
+		body->setIgnoreCollisionCheck( plate, true );
+		std::vector<int> held;
+		for ( int node = 0; node < body->nodeCount(); ++node )
+		{
+			if ( body->nodePosition( node ).y() > 5 - kTop - btScalar( 0.1 ) )
+			{
+				held.push_back( node );
+				EXPECT_TRUE( isPinned ? body->pinNodeToBody( node, plate ).ok() : own.world.attach( *body, node, *plate ).ok() );
+			}
+		}
+		for ( int k = 1; k <= kCarry; ++k )
+		{
+			plate->setWorldTransform( at( btScalar( 0.5 ) * btScalar( k ) * kFrame, 5, 0 ) );
+			own.run( 1 );
+		}
+		EXPECT_NEAR( body->linearVelocity().x(), 0.5, 0.05 ) << "pins " << isPinned;
+		EXPECT_NEAR( body->massCentre().x(), 1, 0.02 );
+	}
+}
+
+// A door that is put to the other side of a body does not sweep over it.
+TEST_P( Platforms, WhatIsPutElsewhereHasNoWay )
+{
+	test::TestWorld own;
+	RigidScene scene( own.world );
+	btRigidBody* const door = scene.addKinematic( btVector3( btScalar( 0.1 ), 1, 1 ), at( -3, 0, 0 ) );
+	own.world.setGravity( btVector3( 0, 0, 0 ) );
+	SoftBody* const body = own.addSoft(
+		test::cubeTemplate( 2 * float( kHalf ), 5 ), at( 0, 0, 0 ), test::stepping( GetParam().elasticity, 1e6f ) );
+	own.run( 2 );
+	door->setWorldTransform( at( 3, 0, 0 ) );
+	own.run( 10 );
+	EXPECT_LT( body->linearVelocity().length(), 1e-6 );
+	EXPECT_EQ( door->getWorldTransform().getOrigin().x(), 3 );
 }
 
 btRigidBody* belt = nullptr;

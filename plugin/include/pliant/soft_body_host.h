@@ -95,7 +95,7 @@ public:
 
 /// Calls of games on a world with soft bodies, beyond Bullet's own calls: SoftBodyWorld and SoftBodyWorldOver derive from it. Callable from
 /// one thread at a time. Fragments of the world (FractureEvent) are deleted with it, other bodies are not. "Not during a step" means not
-/// from contact callbacks and force fields; actions and tick callbacks run between steps.
+/// from contact callbacks and force fields (ForceField); actions and tick callbacks run between steps.
 class PLIANT_API SoftBodyHost
 {
 public:

@@ -24,6 +24,10 @@ Status checkAttachment( const char* call, const SoftBodySystem& bodies, const So
 	{
 		return refused( call, "the soft body is not in this world." );
 	}
+	if ( Status status = body.impl().checkTime( call ); !status.ok() )
+	{
+		return status;
+	}
 	if ( !std::isfinite( settings.compliance ) || settings.compliance < 0 || !( settings.breakingForce > 0 ) )
 	{
 		return Status{ ResultCode::BadSettings,
@@ -148,6 +152,10 @@ Result<btRigidBody*> SoftBodyHost::addFrame( SoftBody& body, const btVector3& po
 	{
 		return Answer::failure( ResultCode::BadArgument, "addFrame: the soft body is not in this world." );
 	}
+	if ( const Status status = body.impl().checkTime( "addFrame" ); !status.ok() )
+	{
+		return Answer::failure( status.code, status.sentence );
+	}
 	btRigidBody* const made = m_step->bodies.frames.add( m_step->world(), body, toVec3d( position ), double( radius ) );
 	if ( !made )
 	{
@@ -160,7 +168,7 @@ Result<btRigidBody*> SoftBodyHost::addFrame( SoftBody& body, const btVector3& po
 
 bool SoftBodyHost::removeFrame( const btRigidBody* frame )
 {
-	return frame && !m_step->bodies.areStagesRunning && m_step->bodies.frames.remove( m_step->world(), *frame );
+	return frame && !m_step->bodies.isBusy() && m_step->bodies.frames.remove( m_step->world(), *frame );
 }
 
 SoftBody* SoftBodyHost::frameOwner( const btRigidBody* frame ) const
@@ -172,7 +180,7 @@ SoftBody* SoftBodyHost::frameOwner( const btRigidBody* frame ) const
 bool SoftBodyHost::detach( int id )
 {
 	const Attachment* const attachment = m_step->bodies.attachments.find( id );
-	if ( !attachment )
+	if ( !attachment || m_step->bodies.fields.areActing )
 	{
 		return false;
 	}

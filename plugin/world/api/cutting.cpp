@@ -77,7 +77,7 @@ int cutBody( SoftBody& soft, const Cut& cut )
 
 int SoftBody::cutPlane( const btVector3& point, const btVector3& normal, btScalar radius )
 {
-	if ( !isFinite( point ) || !isFinite( normal ) || std::isnan( radius ) )
+	if ( !isFinite( point ) || !isFinite( normal ) || std::isnan( radius ) || m_impl->isInField() )
 	{
 		return 0;
 	}
@@ -86,7 +86,7 @@ int SoftBody::cutPlane( const btVector3& point, const btVector3& normal, btScala
 
 int SoftBody::cutSphere( const btVector3& centre, btScalar radius )
 {
-	if ( !isFinite( centre ) || !std::isfinite( radius ) )
+	if ( !isFinite( centre ) || !std::isfinite( radius ) || m_impl->isInField() )
 	{
 		return 0;
 	}
@@ -95,7 +95,7 @@ int SoftBody::cutSphere( const btVector3& centre, btScalar radius )
 
 int SoftBody::cutSweep( const btVector3& p0, const btVector3& p1, const btVector3& q0, const btVector3& q1 )
 {
-	if ( !isFinite( p0 ) || !isFinite( p1 ) || !isFinite( q0 ) || !isFinite( q1 ) )
+	if ( !isFinite( p0 ) || !isFinite( p1 ) || !isFinite( q0 ) || !isFinite( q1 ) || m_impl->isInField() )
 	{
 		return 0;
 	}
@@ -104,7 +104,7 @@ int SoftBody::cutSweep( const btVector3& p0, const btVector3& p1, const btVector
 
 int SoftBody::heal( btScalar reach )
 {
-	if ( !std::isfinite( reach ) )
+	if ( !std::isfinite( reach ) || m_impl->isInField() )
 	{
 		return 0;
 	}

@@ -128,7 +128,7 @@ GpuSurfaceView SoftBody::gpuSurface() const
 {
 	const Impl& impl = *m_impl;
 	const SkinBinding& binding = impl.currentBinding();
-	if ( binding.kind == Skinning::None )
+	if ( binding.kind == Skinning::None || impl.isInField() )
 	{
 		return {};
 	}

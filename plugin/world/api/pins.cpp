@@ -16,11 +16,21 @@ Pin* SoftBody::Impl::findPin( int node )
 	return found != pins.end() && found->node == node ? &*found : nullptr;
 }
 
+namespace {
+
+const char* const kPinCalls[] = { "pinNode", "pinNodeToBody", "driveNode" }; // by PinKind
+
+} // namespace
+
 Status SoftBody::pin( const PinRequest& request )
 {
 	if ( !m_impl->hasNode( request.node ) )
 	{
 		return refused( "pinNode", "there is no node of this number." ); // the others have looked
+	}
+	if ( Status status = m_impl->checkTime( kPinCalls[request.kind] ); !status.ok() )
+	{
+		return status;
 	}
 	Impl& impl = *m_impl;
 	Pin* pin = impl.findPin( request.node );
@@ -102,7 +112,7 @@ double SoftBody::Impl::farthestDrive() const
 void SoftBody::releaseNode( int node )
 {
 	Impl& impl = *m_impl;
-	if ( Pin* found = impl.findPin( node ) )
+	if ( Pin* const found = impl.isInField() ? nullptr : impl.findPin( node ) )
 	{
 		impl.pins.erase( impl.pins.begin() + ( found - impl.pins.data() ) );
 		impl.body->setPinned( node, false );

@@ -110,6 +110,10 @@ Status give( const char* call, SoftBody& body, std::vector<Vec3d> targets, bool 
 
 Status followBones( SoftBody& body, const SkinWeights& weights, const PoseSettings& settings )
 {
+	if ( Status status = body.impl().checkTime( "followBones" ); !status.ok() )
+	{
+		return status;
+	}
 	const BodyTemplate& shape = body.bodyTemplate();
 	const SkinBinding& skin = shape.skin();
 	if ( Status status = checkSettings( "followBones", settings ); !status.ok() )
@@ -143,7 +147,8 @@ Status followBones( SoftBody& body, const SkinWeights& weights, const PoseSettin
 Status followTargets( SoftBody& body, const PoseSettings& settings )
 {
 	PoseModel model;
-	Status status = checkSettings( "followTargets", settings );
+	Status status = body.impl().checkTime( "followTargets" );
+	status = status.ok() ? checkSettings( "followTargets", settings ) : status;
 	status = status.ok() ? paint( "followTargets", body.bodyTemplate().lattice(), settings, model ) : status;
 	if ( status.ok() )
 	{
@@ -154,7 +159,7 @@ Status followTargets( SoftBody& body, const PoseSettings& settings )
 
 void stopFollowing( SoftBody& body )
 {
-	if ( isFollowing( body ) )
+	if ( isFollowing( body ) && !body.impl().isInField() )
 	{
 		body.impl().follower.reset();
 		body.impl().body->pull().clear();
@@ -169,6 +174,10 @@ bool isFollowing( const SoftBody& body )
 
 Status setPose( SoftBody& body, const btTransform* bones, int count, bool jumps )
 {
+	if ( Status status = body.impl().checkTime( "setPose" ); !status.ok() )
+	{
+		return status;
+	}
 	const PoseFollower* const follower = body.impl().follower.get();
 	if ( !follower || follower->model->boneCount == 0 )
 	{
@@ -204,6 +213,10 @@ Status setPose( SoftBody& body, const btTransform* bones, int count, bool jumps 
 
 Status setTargets( SoftBody& body, const btVector3* positions, int count, bool jumps )
 {
+	if ( Status status = body.impl().checkTime( "setTargets" ); !status.ok() )
+	{
+		return status;
+	}
 	const PoseFollower* const follower = body.impl().follower.get();
 	if ( !follower || follower->model->boneCount > 0 )
 	{
@@ -234,6 +247,10 @@ btVector3 poseTarget( const SoftBody& body, int cell )
 
 Status setPoseBlend( SoftBody& body, btScalar blend )
 {
+	if ( Status status = body.impl().checkTime( "setPoseBlend" ); !status.ok() )
+	{
+		return status;
+	}
 	PoseFollower* const follower = body.impl().follower.get();
 	if ( !follower )
 	{

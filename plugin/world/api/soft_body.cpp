@@ -200,6 +200,10 @@ btTransform SoftBody::bestFitTransform() const
 
 Status SoftBody::setMaterial( const Material& material )
 {
+	if ( Status status = m_impl->checkTime( "setMaterial" ); !status.ok() )
+	{
+		return status;
+	}
 	Status status = m_impl->body->setMaterial( material );
 	if ( status.ok() )
 	{
@@ -278,7 +282,7 @@ int SoftBody::cellOfNode( int node ) const
 void SoftBody::setInterpolation( bool isOn )
 {
 	SkinBuffers& skin = m_impl->skin;
-	if ( isOn != interpolation() )
+	if ( isOn != interpolation() && !m_impl->isInField() )
 	{
 		skin.blend = isOn ? std::make_unique<StepBlend>() : nullptr;
 		skin.isStale = true;

@@ -33,7 +33,7 @@ void SoftBodyHost::addSoftBody( SoftBody* body, int group, int mask )
 
 void SoftBodyHost::removeSoftBody( SoftBody* body )
 {
-	if ( body )
+	if ( body && !m_step->bodies.fields.areActing )
 	{
 		m_step->world().removeCollisionObject( body );
 	}
@@ -82,7 +82,7 @@ int SoftBodyHost::maxSoftSubsteps() const
 
 void SoftBodyHost::setThreadCount( int count )
 {
-	if ( m_step->bodies.areStagesRunning )
+	if ( m_step->bodies.isBusy() )
 	{
 		return;
 	}
@@ -94,7 +94,7 @@ void SoftBodyHost::setThreadCount( int count )
 
 void SoftBodyHost::setTaskRunner( TaskRunner* runner )
 {
-	m_step->bodies.runner = m_step->bodies.areStagesRunning ? m_step->bodies.runner : runner;
+	m_step->bodies.runner = m_step->bodies.isBusy() ? m_step->bodies.runner : runner;
 }
 
 int SoftBodyHost::threadCount() const
@@ -119,7 +119,7 @@ int SoftBodyHost::fragmentCount() const
 
 bool SoftBodyHost::releaseFragment( SoftBody* fragment )
 {
-	return fragment && m_step->bodies.release( *fragment );
+	return fragment && !m_step->bodies.fields.areActing && m_step->bodies.release( *fragment );
 }
 
 DebrisBudget SoftBodyHost::debrisBudget() const

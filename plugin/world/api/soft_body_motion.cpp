@@ -38,6 +38,16 @@ bool isTooFast( const Vec3& velocity )
 
 } // namespace
 
+bool SoftBody::Impl::isInField() const
+{
+	return system && system->fields.areActing;
+}
+
+Status SoftBody::Impl::checkTime( const char* call ) const
+{
+	return isInField() ? refused( call, kInField ) : Status{};
+}
+
 Status checkVector( const btVector3& vector, const char* call, const char* what )
 {
 	return isFinite( vector ) ? Status{} : refused( call, std::string( what ) + " holds a number that is not finite." );
@@ -67,6 +77,10 @@ Status checkTransform( const btTransform& transform, const char* call )
 
 Status SoftBody::setLinearVelocity( const btVector3& velocity )
 {
+	if ( Status status = m_impl->checkTime( "setLinearVelocity" ); !status.ok() )
+	{
+		return status;
+	}
 	const Status status = setVelocities( velocity, btVector3( 0, 0, 0 ) );
 	const char* const why = isFinite( velocity ) ? kTooFast : kNotFinite;
 	return status.ok() ? Status{} : refused( "setLinearVelocity", why );
@@ -74,6 +88,10 @@ Status SoftBody::setLinearVelocity( const btVector3& velocity )
 
 Status SoftBody::setVelocities( const btVector3& linear, const btVector3& angular )
 {
+	if ( Status status = m_impl->checkTime( "setVelocities" ); !status.ok() )
+	{
+		return status;
+	}
 	NodeState& nodes = m_impl->body->nodes();
 	const Vec3d centre = m_impl->body->sums().centre;
 	const auto velocityOf = [&]( int node ) {
@@ -99,6 +117,10 @@ Status SoftBody::setVelocities( const btVector3& linear, const btVector3& angula
 
 Status SoftBody::applyCentralForce( const btVector3& force )
 {
+	if ( Status status = m_impl->checkTime( "applyCentralForce" ); !status.ok() )
+	{
+		return status;
+	}
 	const btVector3 sum = m_impl->centralForce + force;
 	Status status = checkAcceleration( sum / mass(), "applyCentralForce" );
 	if ( status.ok() )
@@ -111,6 +133,10 @@ Status SoftBody::applyCentralForce( const btVector3& force )
 
 Status SoftBody::applyForce( const btVector3& force, int node )
 {
+	if ( Status status = m_impl->checkTime( "applyForce" ); !status.ok() )
+	{
+		return status;
+	}
 	if ( !m_impl->hasNode( node ) )
 	{
 		return refused( "applyForce", kNoSuchNode );
@@ -134,6 +160,10 @@ Status SoftBody::applyForce( const btVector3& force, int node )
 
 Status SoftBody::applyCentralImpulse( const btVector3& impulse )
 {
+	if ( Status status = m_impl->checkTime( "applyCentralImpulse" ); !status.ok() )
+	{
+		return status;
+	}
 	NodeState& nodes = m_impl->body->nodes();
 	const Vec3 change = toVec3( impulse / mass() );
 	for ( int i = 0; i < nodes.count; ++i )
@@ -154,6 +184,10 @@ Status SoftBody::applyCentralImpulse( const btVector3& impulse )
 
 Status SoftBody::applyImpulse( const btVector3& impulse, int node )
 {
+	if ( Status status = m_impl->checkTime( "applyImpulse" ); !status.ok() )
+	{
+		return status;
+	}
 	if ( !m_impl->hasNode( node ) )
 	{
 		return refused( "applyImpulse", kNoSuchNode );
@@ -173,6 +207,10 @@ Status SoftBody::applyImpulse( const btVector3& impulse, int node )
 
 Status SoftBody::setGravity( const btVector3& gravity )
 {
+	if ( Status status = m_impl->checkTime( "setGravity" ); !status.ok() )
+	{
+		return status;
+	}
 	Status status = checkAcceleration( gravity, "setGravity" );
 	if ( status.ok() )
 	{
@@ -185,6 +223,10 @@ Status SoftBody::setGravity( const btVector3& gravity )
 
 void SoftBody::clearGravity()
 {
+	if ( m_impl->isInField() )
+	{
+		return;
+	}
 	m_impl->hasOwnGravity = false;
 	activate( true );
 }
@@ -223,6 +265,10 @@ void SoftBody::hasMoved()
 
 Status SoftBody::teleport( const btTransform& by )
 {
+	if ( Status status = m_impl->checkTime( "teleport" ); !status.ok() )
+	{
+		return status;
+	}
 	if ( Status status = checkTransform( by, "teleport" ); !status.ok() )
 	{
 		return status;
@@ -239,6 +285,10 @@ Status SoftBody::teleport( const btTransform& by )
 
 Status SoftBody::reset( const btTransform& transform )
 {
+	if ( Status status = m_impl->checkTime( "reset" ); !status.ok() )
+	{
+		return status;
+	}
 	if ( Status status = checkTransform( transform, "reset" ); !status.ok() )
 	{
 		return status;

@@ -164,6 +164,10 @@ void SoftBody::Impl::makeSharedCrackState()
 
 Status SoftBody::prepareCracks()
 {
+	if ( Status status = m_impl->checkTime( "prepareCracks" ); !status.ok() )
+	{
+		return status;
+	}
 	try
 	{
 		m_impl->makeSharedCrackState();

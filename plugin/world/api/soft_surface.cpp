@@ -274,7 +274,7 @@ SurfaceView SoftBody::surface() const
 	const Impl& impl = *m_impl;
 	double discarded = 0.0; // as above
 	const SkinBinding& binding = impl.currentBinding();
-	if ( binding.kind == Skinning::None )
+	if ( binding.kind == Skinning::None || impl.isInField() )
 	{
 		return view;
 	}

@@ -38,6 +38,10 @@ void SoftBodySystem::testLinks( btScalar h )
 
 Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField& toughness, const ShardCentres& centres )
 {
+	if ( Status status = m_impl->checkTime( "setFracture" ); !status.ok() )
+	{
+		return status;
+	}
 	Status status = m_impl->body->setFracture( fracture, toughness, centres );
 	m_impl->mustDeform = m_impl->mustDeform || status.ok();
 	if ( status.ok() && fracture.rule != BreakRule::Never )

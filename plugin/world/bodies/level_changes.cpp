@@ -238,7 +238,7 @@ unsigned SoftBody::levelVersion() const
 
 void SoftBody::requestRefinement( const btVector3& low, const btVector3& high )
 {
-	if ( !m_impl->body->levels() || !isFinite( low ) || !isFinite( high ) )
+	if ( !m_impl->body->levels() || !isFinite( low ) || !isFinite( high ) || m_impl->isInField() )
 	{
 		return;
 	}
@@ -257,6 +257,10 @@ void SoftBody::requestRefinement( const btVector3& low, const btVector3& high )
 
 void SoftBody::setFinestLevel( int level )
 {
+	if ( m_impl->isInField() )
+	{
+		return;
+	}
 	m_impl->body->setFinestLevel( std::clamp( level, 0, adaptivity().coarseLevels ) );
 }
 

@@ -270,6 +270,9 @@ struct SoftBody::Impl
 	/// Returns true if contacts use patches of the drawn surface. The block solver solves them, since Bullet's has no contacts that are
 	/// shared by several nodes; a body that steps explicitly takes part with its masses alone.
 	bool isMetAsDrawn() const { return !body->lattice().patch.empty() && hasFeature( Feature::Implicit ) && surfaceNow().hasPatches(); }
+	/// Whether a force field of its world is being called, which may not change the body; checkTime: the same as a refusal.
+	bool isInField() const;
+	Status checkTime( const char* call ) const;
 	bool hasNode( int node ) const { return node >= 0 && node < body->nodeCount(); }
 	/// Wakes the bodies in contact with this one before it moves in a way that contacts do not predict.
 	void wakeTouching( const SoftBody& owner ) const;

@@ -195,7 +195,7 @@ void ContactEvents::forget( const btCollisionObject& object, const std::vector<S
 
 void SoftBody::setContactEvents( bool isOn )
 {
-	if ( isOn != contactEvents() )
+	if ( isOn != contactEvents() && !m_impl->isInField() )
 	{
 		m_impl->contactRecords = isOn ? std::make_unique<ContactRecords>() : nullptr;
 	}

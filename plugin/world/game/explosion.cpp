@@ -198,7 +198,7 @@ void apply( const Push& push )
 
 Result<int> SoftBodyHost::explode( const Explosion& explosion )
 {
-	if ( m_step->bodies.areStagesRunning )
+	if ( m_step->bodies.isBusy() )
 	{
 		return Result<int>::failure( ResultCode::BadArgument, "explode: a step is in progress." );
 	}

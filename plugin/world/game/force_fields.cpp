@@ -50,6 +50,7 @@ void ForceFields::leave( ForceField& field )
 void ForceFields::wake( const ForceField& field )
 {
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
+	areActing = true;
 	for ( int k = 0; k < objects.size(); ++k )
 	{
 		btCollisionObject& object = *objects[k];
@@ -59,6 +60,7 @@ void ForceFields::wake( const ForceField& field )
 			object.activate();
 		}
 	}
+	areActing = false;
 }
 
 void ForceFields::forget( const btRigidBody& body )
@@ -92,6 +94,7 @@ void ForceFields::pushRigid()
 	}
 	m_given.clear();
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
+	areActing = !m_fields.empty();
 	for ( int k = 0; k < objects.size() && !m_fields.empty(); ++k )
 	{
 		btRigidBody* const body = btRigidBody::upcast( objects[k] );
@@ -106,6 +109,7 @@ void ForceFields::pushRigid()
 			m_given.push_back( Given{ body, force } );
 		}
 	}
+	areActing = false;
 }
 
 void ForceFields::push( SoftBody& body, const btVector3& gravity, double h ) const

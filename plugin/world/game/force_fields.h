@@ -68,6 +68,8 @@ public:
 	/// The same for a field that is being destroyed: its `actsOn` cannot be called any more.
 	void leave( ForceField& field );
 	int count() const { return int( m_fields.size() ); }
+	/// While fields are called. What they call of the library may ask, but change nothing: several threads run over the bodies then.
+	bool areActing = false;
 	void wake( const ForceField& field );
 
 	/// Sets the nodes' field forces for a substep of length h, s; nothing and no cost where there are neither fields nor gas. Thread-safe

@@ -146,6 +146,10 @@ void SurfaceForces::pushWalls( const Body& body, unsigned version, double h )
 
 Status SoftBody::setGas( const Gas& gas )
 {
+	if ( Status status = m_impl->checkTime( "setGas" ); !status.ok() )
+	{
+		return status;
+	}
 	const bool isLaw = isChoice( gas.law, GasLaw::Ideal );
 	const bool isGood = isLaw && std::isfinite( gas.pressure ) && btFabs( gas.pressure ) <= kMostPressure && gas.outside >= 0 &&
 		gas.outside <= kMostPressure && ( gas.law != GasLaw::Ideal || gas.pressure > -gas.outside );

@@ -218,7 +218,7 @@ void SoftBodySystem::shift( const btVector3& by )
 Status WorldStep::shiftOrigin( const btVector3& by )
 {
 	btDiscreteDynamicsWorld& world = m_parts.world;
-	if ( bodies.areStagesRunning )
+	if ( bodies.isBusy() )
 	{
 		return refused( "shiftOrigin", "a step is in progress." );
 	}
@@ -260,13 +260,17 @@ const std::vector<ContactEvent>& SoftBodyHost::contactEvents() const
 
 Status SoftBodyHost::addForceField( ForceField& field )
 {
+	if ( m_step->bodies.fields.areActing )
+	{
+		return refused( "addForceField", kInField );
+	}
 	m_step->bodies.isPlain = false;
 	return m_step->bodies.fields.add( field ) ? Status{} : refused( "addForceField", "the field is in a world already." );
 }
 
 bool SoftBodyHost::removeForceField( ForceField& field )
 {
-	return m_step->bodies.fields.remove( field );
+	return !m_step->bodies.fields.areActing && m_step->bodies.fields.remove( field );
 }
 
 int SoftBodyHost::forceFieldCount() const

@@ -14,6 +14,10 @@ namespace {
 
 Status checkScale( const SoftBody& body, btScalar scale )
 {
+	if ( Status status = body.impl().checkTime( "setScale" ); !status.ok() )
+	{
+		return status;
+	}
 	const SoftBody::Impl& impl = body.impl();
 	if ( !( scale >= kSmallestBodyScale && scale <= kLargestBodyScale ) )
 	{

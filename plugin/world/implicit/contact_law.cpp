@@ -142,9 +142,11 @@ void ImplicitBlock::chooseStiffness()
 		const bool hasNode = contact.side[0].soft >= 0 || contact.side[1].soft >= 0;
 		for ( const ContactSide& side : contact.side )
 		{
-			least = ( hasNode && !contact.isDrawn && !contact.isAttachment() ) || side.rigid < 0
-				? least
-				: std::min( least, rigid[std::size_t( side.rigid )].mass );
+			const RigidPart* const part = side.rigid < 0 ? nullptr : &rigid[std::size_t( side.rigid )];
+			// What joints hold resists with more than its mass.
+			const bool isJointed = part && part->linked >= 0 && linked[std::size_t( part->linked )].joints;
+			least = ( hasNode && !contact.isDrawn && !contact.isAttachment() ) || !part || isJointed ? least
+																									 : std::min( least, part->mass );
 		}
 		contact.stiffness = ( contact.hasExplicitSide ? kExplicitAttachmentStiffness : kContactStiffness ) * least;
 		contact.normalMultiplier = contact.normalImpulse;

@@ -9,6 +9,7 @@
 #include "world/linear/coarse_system.h"
 #include "world/touch/shared_nodes.h"
 
+#include <memory>
 #include <vector>
 
 class btManifoldPoint;
@@ -16,6 +17,7 @@ class btCollisionObject;
 
 namespace pliant {
 
+class JointGroup;
 class SoftBody;
 class TaskRunner;
 
@@ -102,11 +104,12 @@ struct RigidPart
 	bool hasLockedAxis() const { return !( moves[0] && moves[1] && moves[2] && turns[0] && turns[1] && turns[2] ); }
 };
 
-/// Links of a multibody that take part in a block. An impulse on one moves all of them.
+/// Links of a multibody that take part in a block, or rigid bodies that joints join. An impulse on one moves all of them.
 struct LinkedParts
 {
-	std::vector<int> parts; ///< indices of rigid parts
-	Eigen::MatrixXd mass;   ///< six rows and columns for each, as a rigid part's mass and inertia: kg, kg m, kg m^2
+	std::vector<int> parts;             ///< indices of rigid parts
+	Eigen::MatrixXd mass;               ///< six rows and columns for each, as a rigid part's mass and inertia: kg, kg m, kg m^2
+	std::shared_ptr<JointGroup> joints; ///< of rigid bodies on Bullet's joints; null for links of a multibody
 };
 
 /// An active contact in the compact form used by matrix products: the force is across u + along ( u.n ) n.

@@ -138,8 +138,8 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake, const Attac
 	}
 }
 
-void ImplicitSolve::before( const std::vector<SoftBody*>& awake, Attachments& attachments, btDispatcher& dispatcher,
-	const btContactSolverInfo& info, TaskRunner* runner )
+void ImplicitSolve::before( const std::vector<SoftBody*>& awake, Attachments& attachments, const JointGroup::Joints& joints,
+	btDispatcher& dispatcher, const btContactSolverInfo& info, TaskRunner* runner )
 {
 	m_count = BlockCount{};
 	m_h = double( info.m_timeStep );
@@ -162,6 +162,10 @@ void ImplicitSolve::before( const std::vector<SoftBody*>& awake, Attachments& at
 	for ( std::size_t k = 0; k < m_tagOf.size(); ++k )
 	{
 		m_moved.measureLinks( m_blocks[k] );
+		if ( !attachments.isEmpty() )
+		{
+			m_moved.measureJointed( m_blocks[k], attachments, joints, double( info.m_erp ) );
+		}
 	}
 	m_outside.erase(
 		std::remove_if( m_outside.begin(), m_outside.end(), [this]( const OutsideImpulse& outside ) { return outside.stamp != m_stamp; } ),
@@ -188,16 +192,20 @@ void ImplicitSolve::storeVelocities( ImplicitBlock& block )
 {
 	for ( RigidPart& part : block.rigid )
 	{
-		if ( part.linked < 0 )
+		if ( !isLink( *part.object ) )
 		{
 			part.expectedVelocity = part.velocity - outsideOf( *part.object ).change;
-			m_moved.move( part, part.expectedVelocity - MovedObjects::forceOf( *part.object, m_h ) );
+			if ( part.linked < 0 )
+			{
+				m_moved.move( part, part.expectedVelocity - MovedObjects::forceOf( *part.object, m_h ) );
+			}
 		}
 	}
+	m_moved.moveJointed( block );
 	m_moved.moveLinks( block );
 	for ( RigidPart& part : block.rigid )
 	{
-		if ( part.linked >= 0 )
+		if ( isLink( *part.object ) )
 		{
 			part.expectedVelocity = m_moved.velocityOf( *part.object );
 		}
@@ -214,6 +222,10 @@ void ImplicitSolve::after()
 			// e += r ( dV - e ), dV the change by Bullet's solver beyond the forces
 			Vector6& expected = outsideOf( *part.object ).change;
 			expected += kOutsideFraction * ( m_moved.velocityOf( *part.object ) - part.expectedVelocity - expected );
+		}
+		for ( const LinkedParts& whole : m_blocks[k].linked )
+		{
+			whole.joints ? whole.joints->tellJoints() : void();
 		}
 	}
 }

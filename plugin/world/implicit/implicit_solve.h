@@ -26,8 +26,9 @@ class ImplicitSolve : private BlockLookup
 {
 public:
 	/// Solves the blocks of the `awake` bodies, sets the velocities of nodes and rigid bodies, and hides the blocks' contacts from Bullet.
-	void before( const std::vector<SoftBody*>& awake, Attachments& attachments, btDispatcher& dispatcher, const btContactSolverInfo& info,
-		TaskRunner* runner );
+	/// `joints`: of the pass.
+	void before( const std::vector<SoftBody*>& awake, Attachments& attachments, const JointGroup::Joints& joints, btDispatcher& dispatcher,
+		const btContactSolverInfo& info, TaskRunner* runner );
 	/// Called after Bullet's solver: records its impulses on the rigid bodies as the expectation for the next substep.
 	void after();
 	void forget( const btCollisionObject& object );

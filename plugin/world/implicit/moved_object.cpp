@@ -2,6 +2,7 @@
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
+#include "world/joints/attachments.h"
 
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
@@ -200,15 +201,95 @@ void MovedObjects::measureLinks( ImplicitBlock& block )
 	for ( LinkedParts& whole : block.linked )
 	{
 		fillMobility( block, whole );
-		for ( std::size_t k = 0; k < whole.parts.size(); ++k )
+		invertMobility( block, whole );
+	}
+}
+
+void MovedObjects::invertMobility( const ImplicitBlock& block, LinkedParts& whole )
+{
+	const double locked = whole.joints ? kLockedJointMobility : kLockedLinkMobility;
+	for ( std::size_t k = 0; k < whole.parts.size(); ++k )
+	{
+		const RigidPart& part = block.rigid[std::size_t( whole.parts[k] )];
+		const Eigen::Index at = 6 * Eigen::Index( k );
+		whole.mass.block<3, 3>( at, at ) += locked / part.mass * Eigen::Matrix3d::Identity();
+		whole.mass.block<3, 3>( at + 3, at + 3 ) += locked * part.inertia.inverse();
+	}
+	whole.mass = whole.mass.llt().solve( Eigen::MatrixXd::Identity( whole.mass.rows(), whole.mass.cols() ) ).eval();
+	whole.mass = ( 0.5 * ( whole.mass + whole.mass.transpose() ) ).eval();
+}
+
+void MovedObjects::measureJointed( ImplicitBlock& block, Attachments& attachments, const JointGroup::Joints& joints, double erp )
+{
+	std::vector<JointGroup::Load> loads;
+	std::vector<unsigned char> isJointed( block.rigid.size() );
+	double h = 0.0;
+	for ( const BlockContact& contact : block.contacts )
+	{
+		const int rigid = contact.isAttachment() ? contact.side[1].rigid : -1;
+		const btRigidBody* const body = rigid < 0 ? nullptr : btRigidBody::upcast( block.rigid[std::size_t( rigid )].object );
+		if ( body && JointGroup::isHeld( *body, joints ) )
 		{
-			const RigidPart& part = block.rigid[std::size_t( whole.parts[k] )];
-			const Eigen::Index at = 6 * Eigen::Index( k );
-			whole.mass.block<3, 3>( at, at ) += kLockedLinkMobility / part.mass * Eigen::Matrix3d::Identity();
-			whole.mass.block<3, 3>( at + 3, at + 3 ) += kLockedLinkMobility * part.inertia.inverse();
+			isJointed[std::size_t( rigid )] = 1;
+			h = contact.timeStep;
+			const Vec3d impulse = -h * attachments.find( contact.attachment )->lastForce;
+			JointGroup::Load load{ body, Vector6::Zero() };
+			load.impulse << impulse, contact.side[1].arm.cross( impulse );
+			loads.push_back( load );
 		}
-		whole.mass = whole.mass.llt().solve( Eigen::MatrixXd::Identity( whole.mass.rows(), whole.mass.cols() ) ).eval();
-		whole.mass = ( 0.5 * ( whole.mass + whole.mass.transpose() ) ).eval();
+	}
+	for ( std::size_t p = 0; p < block.rigid.size(); ++p )
+	{
+		const auto made = isJointed[p] ? std::make_shared<JointGroup>() : nullptr;
+		if ( !made || !made->collect( *btRigidBody::upcast( block.rigid[p].object ), joints, loads, h, erp ) )
+		{
+			continue;
+		}
+		JointGroup& group = *made;
+		LinkedParts& whole = block.linked.emplace_back();
+		whole.joints = made;
+		std::vector<const btRigidBody*> members;
+		for ( std::size_t other = p; other < block.rigid.size(); ++other )
+		{
+			RigidPart& part = block.rigid[other];
+			const btRigidBody* const own = btRigidBody::upcast( part.object );
+			if ( isJointed[other] && group.contains( *own ) )
+			{
+				isJointed[other] = 0;
+				part.linked = int( block.linked.size() ) - 1;
+				part.link = int( whole.parts.size() );
+				part.freeVelocity += group.freeVelocityOf( *own ) - velocityOf( *own ) - forceOf( *own, h );
+				whole.parts.push_back( int( other ) );
+				members.push_back( own );
+			}
+		}
+		whole.mass = group.mobilityOf( members );
+		invertMobility( block, whole );
+	}
+}
+
+// From the contacts' impulses: the mass of what joints hold, times the float errors of its velocity, would be none.
+void MovedObjects::moveJointed( const ImplicitBlock& block )
+{
+	for ( const LinkedParts& whole : block.linked )
+	{
+		std::vector<JointGroup::Load> impulses;
+		for ( const BlockContact& contact : block.contacts )
+		{
+			for ( int k = 0; k < 2 && whole.joints; ++k )
+			{
+				const ContactSide& side = contact.side[k];
+				const int linked = side.rigid < 0 ? -1 : block.rigid[std::size_t( side.rigid )].linked;
+				if ( linked == int( &whole - block.linked.data() ) )
+				{
+					const Vec3d impulse = k == 0 ? contact.impulse() : Vec3d( -contact.impulse() );
+					JointGroup::Load load{ btRigidBody::upcast( block.rigid[std::size_t( side.rigid )].object ), Vector6::Zero() };
+					load.impulse << impulse, side.arm.cross( impulse );
+					impulses.push_back( load );
+				}
+			}
+		}
+		whole.joints ? whole.joints->strike( impulses ) : void();
 	}
 }
 
@@ -233,6 +314,10 @@ void MovedObjects::moveLinks( const ImplicitBlock& block )
 		for ( const int k : whole.parts )
 		{
 			const RigidPart& part = block.rigid[std::size_t( k )];
+			if ( !isLink( *part.object ) )
+			{
+				continue;
+			}
 			const btMultiBodyLinkCollider& link = asLink( *part.object );
 			const Vector6 impulse = block.linkMomentum(
 				part, []( const RigidPart& other ) { return Vector6( other.velocity - other.freeVelocity ); } );

@@ -10,6 +10,7 @@
 // substeps, as for a rigid body on a joint.
 
 #include "world/implicit/implicit_block.h"
+#include "world/joints/joint_mobility.h"
 
 #include <LinearMath/btAlignedObjectArray.h>
 #include <LinearMath/btMatrix3x3.h>
@@ -18,6 +19,8 @@ class btCollisionObject;
 class btMultiBodyLinkCollider;
 
 namespace pliant {
+
+class Attachments;
 
 /// Returns true for a link of a multibody.
 bool isLink( const btCollisionObject& object );
@@ -31,14 +34,20 @@ public:
 	Vector6 velocityOf( const btCollisionObject& object );
 	/// Returns the velocity change within h, s, that Bullet's solver adds for applied forces; of a link zero: it counts as a joint's.
 	static Vector6 forceOf( const btCollisionObject& object, double h );
-	/// Fills ImplicitBlock::linked from its rigid parts.
+	/// Fills ImplicitBlock::linked from its rigid parts that are links.
 	void measureLinks( ImplicitBlock& block );
 	/// Sets a rigid body's velocity where its axes are free.
 	void move( const RigidPart& part, const Vector6& velocity );
+	/// Adds to ImplicitBlock::linked the rigid bodies that attachments hold and `joints` too.
+	void measureJointed( ImplicitBlock& block, Attachments& attachments, const JointGroup::Joints& joints, double erp );
+	/// Gives rigid bodies on joints, and what is joined to them, the velocities that the block's solution has.
+	static void moveJointed( const ImplicitBlock& block );
 	/// Gives multibodies the impulses that the block's solution has for their links.
 	void moveLinks( const ImplicitBlock& block );
 
 private:
+	/// K of parts whose W is in `mass`.
+	static void invertMobility( const ImplicitBlock& block, LinkedParts& whole );
 	/// W of the links' parts.
 	void fillMobility( const ImplicitBlock& block, LinkedParts& whole );
 	void fillJacobian( const btMultiBodyLinkCollider& link );

@@ -7,7 +7,9 @@ namespace pliant {
 
 void ImplicitChoice::choose( const std::vector<SoftBody*>&, btDiscreteDynamicsWorld&, btScalar, int ) {}
 
-void ImplicitSolve::before( const std::vector<SoftBody*>&, Attachments&, btDispatcher&, const btContactSolverInfo&, TaskRunner* ) {}
+void ImplicitSolve::before(
+	const std::vector<SoftBody*>&, Attachments&, const JointGroup::Joints&, btDispatcher&, const btContactSolverInfo&, TaskRunner* )
+{}
 void ImplicitSolve::after() {}
 void ImplicitSolve::forget( const btCollisionObject& ) {}
 

@@ -182,7 +182,7 @@ SoftBodyResult loadBody( BytesView bytes, const LoadSettings& settings )
 Status saveWorld( const SoftBodyHost& world, std::vector<std::byte>& bytes, const SaveSettings& settings )
 {
 	return guarded( "save a world", [&] {
-		if ( world.step().bodies.areStagesRunning )
+		if ( world.step().bodies.isBusy() )
 		{
 			return refused( "saveWorld", "a step is in progress." );
 		}
@@ -202,7 +202,7 @@ Result<RestoredWorld> restoreWorld( SoftBodyHost& world, BytesView bytes, const 
 {
 	Result<RestoredWorld> result;
 	result.status = guarded( "restore a world", [&] {
-		if ( world.step().bodies.areStagesRunning )
+		if ( world.step().bodies.isBusy() )
 		{
 			return refused( "restoreWorld", "a step is in progress." );
 		}

@@ -231,7 +231,9 @@ void SoftBodySystem::accelerateRigid( btScalar h )
 		SoftBody::Impl& impl = body->impl();
 		impl.isImplicit = false;
 		impl.lastSubstep = double( h );
+		fields.areActing = fields.count() > 0;
 		fields.push( *body, gravityOf( *body ), double( h ) );
+		fields.areActing = false;
 		impl.body->applyRigidForces( float( h ), ownAcceleration( *body ).cast<double>() );
 	}
 }

@@ -46,6 +46,10 @@ void SoftBodySystem::collideWithThemselves( btScalar h )
 
 Status SoftBody::setSelfCollision( bool isOn )
 {
+	if ( Status status = m_impl->checkTime( "setSelfCollision" ); !status.ok() )
+	{
+		return status;
+	}
 	if ( isOn == selfCollision() )
 	{
 		return {};

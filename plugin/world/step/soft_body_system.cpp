@@ -220,6 +220,7 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 	pressFrames( true );
 	{
 		Stopwatch watch( report.matching );
+		fields.areActing = fields.count() > 0;
 		forAwake( [&]( SoftBody& body, TaskRunner* within ) {
 			SoftBody::Impl& impl = body.impl();
 			impl.isImplicit = stepsImplicitly( body );
@@ -231,6 +232,7 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 			}
 			impl.body->accelerateTowardGoals( float( h ), impl.plan.alpha, within );
 		} );
+		fields.areActing = false;
 	}
 	{
 		// After matching, which uses the positions and velocities of the last substep: damping must not reduce this substep's forces.
@@ -313,7 +315,8 @@ void SoftBodySystem::copyIslandTags()
 	}
 }
 
-void SoftBodySystem::solveImplicit( btDispatcher& dispatcher, const btContactSolverInfo& info )
+void SoftBodySystem::solveImplicit(
+	const btAlignedObjectArray<btTypedConstraint*>& joints, btDispatcher& dispatcher, const btContactSolverInfo& info )
 {
 	for ( SoftBody* body : m_bodies )
 	{
@@ -322,7 +325,7 @@ void SoftBodySystem::solveImplicit( btDispatcher& dispatcher, const btContactSol
 	double spent = 0.0; // s, counted as matching and not as Bullet's solver
 	{
 		Stopwatch watch( spent );
-		implicitSolve().before( m_awake, attachments, dispatcher, info, tasks() );
+		implicitSolve().before( m_awake, attachments, joints, dispatcher, info, tasks() );
 	}
 	report.matching += spent;
 	report.solve -= spent; // the caller's stopwatch includes it

@@ -86,6 +86,8 @@ public:
 	/// Whether the stages of a step run, or functions that they call: contact callbacks, force fields. Then the world's arrays hold a part
 	/// of its objects, and tasks may be running.
 	bool areStagesRunning = false;
+	/// The same, or outside of a step while force fields are called.
+	bool isBusy() const { return areStagesRunning || fields.areActing; }
 	/// Call when the game changes data of a body's implicit equations. In the middle of a step the body moves freely for the rest of the
 	/// pass, because the equations are the previous ones.
 	void equationsChanged( SoftBody& body ) const;
@@ -116,7 +118,8 @@ public:
 	/// its stages by.
 	bool isPlain = false;
 	/// Solves implicit bodies and the objects that they touch before Bullet's solver; noteSolved() then reads that solver's results.
-	void solveImplicit( btDispatcher& dispatcher, const btContactSolverInfo& info );
+	/// `joints`: of the pass.
+	void solveImplicit( const btAlignedObjectArray<btTypedConstraint*>& joints, btDispatcher& dispatcher, const btContactSolverInfo& info );
 	void noteSolved() { implicitSolve().after(); }
 	void giveFrames( btScalar h ); ///< the velocities of their patches, before the solver
 	void readFrames( btScalar h ); ///< passes the joints' changes to the patches' nodes

@@ -66,7 +66,7 @@ void WorldStep::leave()
 
 void WorldStep::addSoftBody( SoftBody* body, int group, int mask )
 {
-	if ( body && bodies.add( *body ) )
+	if ( body && !bodies.fields.areActing && bodies.add( *body ) )
 	{
 		m_stages.baseAdd( body, group, mask );
 	}
@@ -125,6 +125,7 @@ void WorldStep::forgetObject( btCollisionObject& object )
 	if ( btRigidBody* const body = btRigidBody::upcast( &object ) )
 	{
 		m_rigid.forget( body );
+		m_kinematic.forget( *body );
 		bodies.fields.forget( *body );
 	}
 }

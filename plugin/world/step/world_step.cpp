@@ -24,7 +24,19 @@
 
 #include <LinearMath/btQuickprof.h>
 
+#include <algorithm>
+
 namespace pliant {
+
+namespace {
+
+/// Game steps that Bullet makes of the time of a stepSimulation.
+int gameStepsOf( btScalar time, int most, btScalar step )
+{
+	return most == 0 ? 1 : int( std::min( time / step, btScalar( most ) ) );
+}
+
+} // namespace
 
 // === The game step ===
 
@@ -36,16 +48,25 @@ void WorldStep::openTick()
 	bodies.attachments.events.clear();
 	bodies.contactEvents.clear( bodies.bodies() );
 	bodies.removeFaded();
+	m_kinematic.clear();
 }
 
 bool WorldStep::beginTick( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep )
 {
-	if ( bodies.areStagesRunning )
+	if ( bodies.isBusy() )
 	{
 		return false; // called from within a step
 	}
 	openTick();
-	return bodies.acceptsSteps( timeStep, maxSubSteps, fixedTimeStep );
+	if ( !bodies.acceptsSteps( timeStep, maxSubSteps, fixedTimeStep ) )
+	{
+		return false;
+	}
+	if ( !bodies.isEmpty() )
+	{
+		m_kinematic.noteStarts( m_parts.objects, gameStepsOf( m_parts.localTime + timeStep, maxSubSteps, fixedTimeStep ) );
+	}
+	return true;
 }
 
 void WorldStep::singleStep( btScalar timeStep )
@@ -97,6 +118,7 @@ void WorldStep::singleStep( btScalar timeStep )
 void WorldStep::makePasses( btScalar timeStep, int substeps )
 {
 	const bool hasWhole = bodies.group.isEmpty() || bodies.group.isSplit();
+	m_kinematic.beginStep( m_parts.objects );
 	bodies.areStagesRunning = true;
 	m_substep = 0;
 	m_isNewStep = true;
@@ -113,12 +135,14 @@ void WorldStep::makePasses( btScalar timeStep, int substeps )
 		m_impulses.begin( m_parts.constraints, substeps );
 		for ( ; m_substep < substeps; ++m_substep )
 		{
+			m_kinematic.place( btScalar( m_substep + 1 ) / btScalar( substeps ) );
 			runPass( timeStep / btScalar( substeps ) );
 			if ( !m_parts.hasOwnSingleStep )
 			{
 				m_stages.updateActivation( timeStep / btScalar( substeps ) );
 			}
 		}
+		m_kinematic.finish();
 		m_impulses.end( *m_parts.dispatcher );
 		endPass();
 		bodies.endSubsteps();
@@ -296,7 +320,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 	}
 	if ( m_isStepping )
 	{
-		bodies.solveImplicit( dispatcher, info );
+		bodies.solveImplicit( m_parts.constraints, dispatcher, info );
 		frictionTorque.aim( dispatcher );
 		bodies.giveFrames( info.m_timeStep );
 	}

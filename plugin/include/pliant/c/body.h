@@ -126,6 +126,11 @@ PLIANT_API pliant_result pliant_body_set_velocity( pliant_world* world, pliant_i
 PLIANT_API pliant_result pliant_body_apply_impulse( pliant_world* world, pliant_id body, int32_t node, pliant_vec3 impulse );
 /// A force, N, until the end of the step, on a node, or with node -1 on all by mass.
 PLIANT_API pliant_result pliant_body_apply_force( pliant_world* world, pliant_id body, int32_t node, pliant_vec3 force );
+/// The node that holds a finest cell of the template; -1 for a cell that is not in this body.
+PLIANT_API pliant_result pliant_body_get_node_of_cell( const pliant_world* world, pliant_id body, int32_t cell, int32_t* node );
+/// Holds the body as a whole, or lets it step: PLIANT_RIGID_DYNAMIC (pliant/c/rigid.h), the default; PLIANT_RIGID_STATIC; or
+/// PLIANT_RIGID_KINEMATIC, which is moved by pliant_body_teleport and pliant_body_drive.
+PLIANT_API pliant_result pliant_body_set_kind( pliant_world* world, pliant_id body, int32_t kind );
 /// Gives the body a gravity of its own, m/s^2; null: the world's again.
 PLIANT_API pliant_result pliant_body_set_gravity( pliant_world* world, pliant_id body, const pliant_vec3* gravity );
 /// Moves the body by a transform, with its deformation and velocities.
@@ -158,6 +163,8 @@ PLIANT_API pliant_result pliant_body_set_finest_level( pliant_world* world, plia
 PLIANT_API pliant_result pliant_body_set_self_collision( pliant_world* world, pliant_id body, int32_t is_on );
 /// Whether the world collects contact events of it: flag, default 0.
 PLIANT_API pliant_result pliant_body_set_contact_events( pliant_world* world, pliant_id body, int32_t is_on );
+/// Largest error of a skin that is used again, finest cells, 0 and above. Default 0.01.
+PLIANT_API pliant_result pliant_body_set_surface_tolerance( pliant_world* world, pliant_id body, double cells );
 /// Whether its skin lies between the last two steps: flag, default 0.
 PLIANT_API pliant_result pliant_body_set_interpolation( pliant_world* world, pliant_id body, int32_t is_on );
 /// Whether the debris budget leaves it alone: flag, default 0.
@@ -205,6 +212,23 @@ PLIANT_API pliant_result pliant_detach( pliant_world* world, int32_t attachment 
 PLIANT_API pliant_result pliant_world_get_attachment_count( const pliant_world* world, int32_t* count );
 /// The force of an attachment on its first body, N, the mean over the last step; zero for one that is not there.
 PLIANT_API pliant_result pliant_attachment_get_force( const pliant_world* world, int32_t attachment, pliant_vec3* force );
+/// Makes a frame: a rigid body without collisions that moves with the nodes within `radius`, m, of a point, world, m, and through which
+/// forces on rigid bodies and Bullet's joints act on them. `made`: its identity. Errors: PLIANT_BAD_ARGUMENT, also where fewer than three
+/// nodes, or nodes on a line, are within the radius.
+PLIANT_API pliant_result pliant_frame_create( pliant_world* world, pliant_id body, pliant_vec3 point, double radius, pliant_id* made );
+/// Ends a frame. Errors: PLIANT_BAD_ARGUMENT for another rigid body.
+PLIANT_API pliant_result pliant_frame_destroy( pliant_world* world, pliant_id frame );
+/// The soft body that a frame moves with; 0 where that is gone, and for another rigid body.
+PLIANT_API pliant_result pliant_frame_get_body( const pliant_world* world, pliant_id frame, pliant_id* body );
+
+// --- single bodies as bytes
+/// Saves a body with its state, but without contacts and attachments: PLIANT_SAVE_ALL or PLIANT_SAVE_STATE_ONLY (pliant/c/world.h) in
+/// `flags`. What the buffer held is replaced.
+PLIANT_API pliant_result pliant_body_save( const pliant_world* world, pliant_id body, uint32_t flags, pliant_buffer* bytes );
+/// Makes a body of such bytes and adds it to the world. `settings`: its group, mask and user data are used, the rest is in the bytes; may
+/// be null. `templates`: as of pliant_world_restore. `made`: its identity. Errors: PLIANT_BAD_SNAPSHOT.
+PLIANT_API pliant_result pliant_body_load( pliant_world* world, const void* data, uint64_t byte_count,
+	const pliant_template* const* templates, uint64_t template_count, const pliant_body_settings* settings, pliant_id* made );
 
 #ifdef __cplusplus
 }

@@ -8,14 +8,20 @@
 //     pliant/c/world.h       worlds, events, rays, saving, what all objects have
 //     pliant/c/rigid.h       rigid bodies
 //     pliant/c/body.h        soft bodies
-//     pliant/c/forces.h      wind, water, gas in hollow bodies
+//     pliant/c/forces.h      wind, water, fields, explosions, gas in hollow bodies
+//     pliant/c/skeleton.h    bodies that follow an animated pose
+//     pliant/c/query.h       nearest points, inside or outside, volume
+//     pliant/c/render.h      skinning on the graphics card, tangents, further meshes
 //
 // pliant/c/mix.h, not included here, is C++: for engines that use both faces on one world.
 
 #include "pliant/c/body.h"
 #include "pliant/c/forces.h"
+#include "pliant/c/query.h"
+#include "pliant/c/render.h"
 #include "pliant/c/rigid.h"
 #include "pliant/c/settings.h"
+#include "pliant/c/skeleton.h"
 #include "pliant/c/template.h"
 #include "pliant/c/types.h"
 #include "pliant/c/world.h"

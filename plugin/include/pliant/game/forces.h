@@ -37,7 +37,9 @@ struct VolumePoint
 
 /// A force on everything in a world. Derive from it and call addForceField of the world. It acts in every substep of awake bodies, on
 /// those that are neither static nor kinematic. The game owns it; it leaves its world when it is destroyed. The functions are called from
-/// several threads at the same time. A number that is not finite stops soft bodies (SoftBody::isHealthy) and does nothing to rigid ones.
+/// several threads at the same time, and may ask bodies and the world but change nothing: calls that do are refused with BadArgument or,
+/// where they return no status, ignored; nothing may be deleted. A number that is not finite stops soft bodies (SoftBody::isHealthy) and
+/// does nothing to rigid ones.
 class PLIANT_API ForceField
 {
 public:

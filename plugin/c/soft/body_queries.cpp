@@ -22,6 +22,13 @@ pliant_body_settings defaultBody()
 	return settings;
 }
 
+pliant_result checkUserData( const pliant_body_settings& settings )
+{
+	return settings.user_data <= std::numeric_limits<std::uintptr_t>::max()
+		? PLIANT_OK
+		: refuse( PLIANT_BAD_ARGUMENT, "The user data does not fit into a pointer of this machine." );
+}
+
 /// Conversion of pliant_body_settings.
 struct Taken
 {
@@ -51,11 +58,7 @@ pliant_result takeBody( const pliant_body_settings* given, Taken& taken )
 	{
 		return refuse( PLIANT_BAD_SETTINGS, "pliant_body_settings: friction must lie in 0 to 1e6, and restitution in 0 to 1." );
 	}
-	if ( full.user_data > std::numeric_limits<std::uintptr_t>::max() )
-	{
-		return refuse( PLIANT_BAD_ARGUMENT, "The user data does not fit into a pointer of this machine." );
-	}
-	return PLIANT_OK;
+	return checkUserData( full );
 }
 
 /// Made, but in no world.
@@ -76,7 +79,6 @@ SoftBodyResult makeBody( const pliant_template& from, const Taken& taken )
 	}
 	body.setFriction( btScalar( full.friction ) );
 	body.setRestitution( btScalar( full.restitution ) );
-	body.setUserPointer( reinterpret_cast<void*>( std::uintptr_t( full.user_data ) ) );
 	return made;
 }
 
@@ -101,27 +103,6 @@ pliant_body_state inC( const SoftBody& body )
 	return state;
 }
 
-pliant_surface inC( const SurfaceView& view )
-{
-	pliant_surface c{};
-	c.topology_version = view.topologyVersion;
-	c.origin = vectorOf( view.origin );
-	c.positions = view.positions;
-	c.normals = view.normals;
-	c.indices = view.indices;
-	c.texture_coordinates = view.textureCoordinates;
-	c.triangle_source = view.triangleSource;
-	c.vertices = view.vertexCount;
-	c.triangles = view.triangleCount;
-	c.changed_since = view.changedSince;
-	c.first_new_vertex = view.firstNewVertex;
-	c.first_new_triangle = view.firstNewTriangle;
-	c.first_changed_triangle = view.firstChangedTriangle;
-	c.last_changed_triangle = view.lastChangedTriangle;
-	c.frame = view.frame;
-	return c;
-}
-
 /// Writes a vector of each node.
 template <class F>
 pliant_result writeNodes( const SoftBody& body, double* out, std::uint64_t capacity, std::uint64_t* count, F&& vectorOfNode )
@@ -144,6 +125,44 @@ pliant_result writeNodes( const SoftBody& body, double* out, std::uint64_t capac
 
 } // namespace
 
+pliant_surface inC( const SurfaceView& view )
+{
+	pliant_surface c{};
+	c.topology_version = view.topologyVersion;
+	c.origin = vectorOf( view.origin );
+	c.positions = view.positions;
+	c.normals = view.normals;
+	c.indices = view.indices;
+	c.texture_coordinates = view.textureCoordinates;
+	c.triangle_source = view.triangleSource;
+	c.vertices = view.vertexCount;
+	c.triangles = view.triangleCount;
+	c.changed_since = view.changedSince;
+	c.first_new_vertex = view.firstNewVertex;
+	c.first_new_triangle = view.firstNewTriangle;
+	c.first_changed_triangle = view.firstChangedTriangle;
+	c.last_changed_triangle = view.lastChangedTriangle;
+	c.frame = view.frame;
+	return c;
+}
+
+pliant_result takeMembership( const pliant_body_settings* given, pliant_body_settings& full )
+{
+	full = defaultBody();
+	const pliant_result code = readSized( given, full );
+	return code == PLIANT_OK ? checkUserData( full ) : code;
+}
+
+pliant_result addMade( pliant_world& world, std::unique_ptr<SoftBody> body, const pliant_body_settings& full, pliant_id& made )
+{
+	SoftBody* const added = body.get();
+	added->setUserPointer( reinterpret_cast<void*>( std::uintptr_t( full.user_data ) ) );
+	world.madeSoft.emplace( added, std::move( body ) );
+	world.host->addSoftBody( added, full.group, full.mask );
+	made = identityOf( *added );
+	return PLIANT_OK;
+}
+
 } // namespace pliant::c
 
 using namespace pliant;
@@ -156,7 +175,7 @@ pliant_result pliant_body_settings_init( pliant_body_settings* settings, uint32_
 
 pliant_result pliant_body_create( pliant_world* world, const pliant_template* from, const pliant_body_settings* settings, pliant_id* made )
 {
-	return withWorld( world, [&]( SoftBodyHost& host ) {
+	return withWorld( world, [&]( SoftBodyHost& ) {
 		if ( !from || !made )
 		{
 			return refuseNull();
@@ -171,11 +190,7 @@ pliant_result pliant_body_create( pliant_world* world, const pliant_template* fr
 		{
 			return resultOf( body.status );
 		}
-		SoftBody* const added = body.value.get();
-		world->madeSoft.emplace( added, std::move( body.value ) );
-		host.addSoftBody( added, taken.full.group, taken.full.mask );
-		*made = identityOf( *added );
-		return pliant_result( PLIANT_OK );
+		return addMade( *world, std::move( body.value ), taken.full, *made );
 	} );
 }
 
@@ -255,4 +270,9 @@ pliant_result pliant_body_get_fracture( const pliant_world* world, pliant_id bod
 pliant_result pliant_body_get_adaptivity( const pliant_world* world, pliant_id body, pliant_adaptivity* adaptivity, uint32_t size )
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) { return writeSized( c::inC( soft.adaptivity() ), adaptivity, size ); } );
+}
+
+pliant_result pliant_body_get_node_of_cell( const pliant_world* world, pliant_id body, int32_t cell, int32_t* node )
+{
+	return withSoft( world, body, [&]( SoftBody& soft ) { return give( std::int32_t( soft.nodeOfCell( cell ) ), node ); } );
 }

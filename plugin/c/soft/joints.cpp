@@ -1,4 +1,4 @@
-// Attachments.
+// Attachments, and frames for joints.
 
 #include "c/handles.h"
 #include "c/numbers.h"
@@ -77,24 +77,43 @@ pliant_result pliant_detach( pliant_world* world, int32_t attachment )
 
 pliant_result pliant_world_get_attachment_count( const pliant_world* world, int32_t* count )
 {
-	return withWorld( world, [&]( SoftBodyHost& host ) {
-		if ( !count )
-		{
-			return refuseNull();
-		}
-		*count = host.attachmentCount();
-		return pliant_result( PLIANT_OK );
-	} );
+	return withWorld( world, [&]( SoftBodyHost& host ) { return give( std::int32_t( host.attachmentCount() ), count ); } );
 }
 
 pliant_result pliant_attachment_get_force( const pliant_world* world, int32_t attachment, pliant_vec3* force )
 {
-	return withWorld( world, [&]( SoftBodyHost& host ) {
-		if ( !force )
+	return withWorld( world, [&]( SoftBodyHost& host ) { return give( vectorOf( host.attachmentForce( attachment ) ), force ); } );
+}
+
+pliant_result pliant_frame_create( pliant_world* world, pliant_id body, pliant_vec3 point, double radius, pliant_id* made )
+{
+	return withSoft( world, body, [&]( SoftBody& soft ) {
+		if ( !made )
 		{
 			return refuseNull();
 		}
-		*force = vectorOf( host.attachmentForce( attachment ) );
+		const Result<btRigidBody*> frame = world->host->addFrame( soft, vectorOf( point ), btScalar( radius ) );
+		return frame.ok() ? give( identityOf( *world, frame.value ), made ) : resultOf( frame.status );
+	} );
+}
+
+pliant_result pliant_frame_destroy( pliant_world* world, pliant_id frame )
+{
+	return withRigid( world, frame, [&]( btRigidBody& rigid ) {
+		if ( !world->host->removeFrame( &rigid ) )
+		{
+			return refuse( PLIANT_BAD_ARGUMENT, "The rigid body is no frame, or a step is in progress." );
+		}
+		world->idsOfOthers.erase( &rigid );
+		world->others.erase( frame );
 		return pliant_result( PLIANT_OK );
+	} );
+}
+
+pliant_result pliant_frame_get_body( const pliant_world* world, pliant_id frame, pliant_id* body )
+{
+	return withRigid( world, frame, [&]( btRigidBody& rigid ) {
+		const SoftBody* const owner = world->host->frameOwner( &rigid );
+		return give( owner ? identityOf( *owner ) : pliant_id( 0 ), body );
 	} );
 }

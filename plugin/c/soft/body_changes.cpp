@@ -5,6 +5,7 @@
 #include "c/settings.h"
 #include "pliant/build.h"
 #include "pliant/c/body.h"
+#include "pliant/c/rigid.h"
 
 namespace pliant::c {
 
@@ -114,6 +115,25 @@ pliant_result pliant_body_set_contact_events( pliant_world* world, pliant_id bod
 pliant_result pliant_body_set_interpolation( pliant_world* world, pliant_id body, int32_t is_on )
 {
 	return withGood( true, world, body, [&]( SoftBody& soft ) { soft.setInterpolation( is_on != 0 ); } );
+}
+
+pliant_result pliant_body_set_surface_tolerance( pliant_world* world, pliant_id body, double cells )
+{
+	return withGood(
+		std::isfinite( cells ) && cells >= 0, world, body, [&]( SoftBody& soft ) { soft.setSurfaceTolerance( btScalar( cells ) ); } );
+}
+
+pliant_result pliant_body_set_kind( pliant_world* world, pliant_id body, int32_t kind )
+{
+	const bool isKind = kind >= PLIANT_RIGID_DYNAMIC && kind <= PLIANT_RIGID_KINEMATIC;
+	return withGood( isKind, world, body, [&]( SoftBody& soft ) {
+		constexpr int kHeld = btCollisionObject::CF_STATIC_OBJECT | btCollisionObject::CF_KINEMATIC_OBJECT;
+		const int flag = kind == PLIANT_RIGID_STATIC ? btCollisionObject::CF_STATIC_OBJECT
+			: kind == PLIANT_RIGID_KINEMATIC         ? btCollisionObject::CF_KINEMATIC_OBJECT
+													 : 0;
+		soft.setCollisionFlags( ( soft.getCollisionFlags() & ~kHeld ) | flag );
+		soft.activate( true );
+	} );
 }
 
 pliant_result pliant_body_set_kept( pliant_world* world, pliant_id body, int32_t is_kept )

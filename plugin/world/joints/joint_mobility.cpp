@@ -1,0 +1,284 @@
+#include "world/joints/joint_mobility.h"
+
+#include "world/constants.h"
+
+#include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+bool isMovable( const btRigidBody& body )
+{
+	return body.getInvMass() > 0 && !body.isStaticOrKinematicObject();
+}
+
+JointGroup::Vector6 sixOf( const btVector3& linear, const btVector3& angular )
+{
+	JointGroup::Vector6 six;
+	six << double( linear.x() ), double( linear.y() ), double( linear.z() ), double( angular.x() ), double( angular.y() ),
+		double( angular.z() );
+	return six;
+}
+
+} // namespace
+
+/// The rows of one joint as Bullet's solver asks for them: each array has kStride numbers a row.
+struct JointGroup::Rows
+{
+	static constexpr int kStride = 4;
+	explicit Rows( int count, double h, double erp )
+	{
+		for ( std::vector<btScalar>* array : { &linearA, &angularA, &linearB, &angularB, &error, &cfm, &low, &high } )
+		{
+			array->assign( std::size_t( kStride * count ), btScalar( 0 ) );
+		}
+		std::fill( low.begin(), low.end(), -SIMD_INFINITY );
+		std::fill( high.begin(), high.end(), SIMD_INFINITY );
+		info.fps = btScalar( 1 / h );
+		info.erp = btScalar( erp );
+		info.m_J1linearAxis = linearA.data();
+		info.m_J1angularAxis = angularA.data();
+		info.m_J2linearAxis = linearB.data();
+		info.m_J2angularAxis = angularB.data();
+		info.rowskip = kStride;
+		info.m_constraintError = error.data();
+		info.cfm = cfm.data();
+		info.m_lowerLimit = low.data();
+		info.m_upperLimit = high.data();
+		info.m_numIterations = 1;
+		info.m_damping = 1;
+	}
+	static Vector6 rowOf( const std::vector<btScalar>& linear, const std::vector<btScalar>& angular, int row )
+	{
+		const btScalar *l = linear.data() + kStride * row, *a = angular.data() + kStride * row;
+		return sixOf( btVector3( l[0], l[1], l[2] ), btVector3( a[0], a[1], a[2] ) );
+	}
+
+	btTypedConstraint::btConstraintInfo2 info;
+	std::vector<btScalar> linearA, angularA, linearB, angularB, error, cfm, low, high;
+};
+
+bool JointGroup::isHeld( const btRigidBody& body, const Joints& joints )
+{
+	const btVector3 one( 1, 1, 1 );
+	if ( !( body.getLinearFactor() == one ) || !( body.getAngularFactor() == one ) )
+	{
+		return false;
+	}
+	for ( int k = 0; k < joints.size(); ++k )
+	{
+		if ( joints[k]->isEnabled() && ( &joints[k]->getRigidBodyA() == &body || &joints[k]->getRigidBodyB() == &body ) )
+		{
+			return true;
+		}
+	}
+	return false;
+}
+
+int JointGroup::indexOf( const btRigidBody* body ) const
+{
+	const auto found = std::find( m_bodies.begin(), m_bodies.end(), body );
+	return found == m_bodies.end() ? -1 : int( found - m_bodies.begin() );
+}
+
+void JointGroup::addBodies( btRigidBody& body, const Joints& joints )
+{
+	m_bodies.assign( 1, &body );
+	for ( std::size_t next = 0; next < m_bodies.size() && m_bodies.size() <= kMostJoined; ++next )
+	{
+		for ( int k = 0; k < joints.size(); ++k )
+		{
+			btRigidBody *const a = &joints[k]->getRigidBodyA(), *const b = &joints[k]->getRigidBodyB();
+			btRigidBody* const other = a == m_bodies[next] ? b : b == m_bodies[next] ? a : nullptr;
+			if ( other && joints[k]->isEnabled() && isMovable( *other ) && indexOf( other ) < 0 )
+			{
+				m_bodies.push_back( other );
+			}
+		}
+	}
+}
+
+void JointGroup::addRows( btTypedConstraint& joint, const std::vector<Load>& loads )
+{
+	btTypedConstraint::btConstraintInfo1 size;
+	joint.getInfo1( &size );
+	Rows rows( size.m_numConstraintRows, m_h, m_erp );
+	joint.getInfo2( &rows.info );
+	const int a = indexOf( &joint.getRigidBodyA() ), b = indexOf( &joint.getRigidBodyB() );
+	for ( int row = 0; row < size.m_numConstraintRows; ++row )
+	{
+		const Vector6 inA = Rows::rowOf( rows.linearA, rows.angularA, row ), inB = Rows::rowOf( rows.linearB, rows.angularB, row );
+		const std::size_t at = std::size_t( Rows::kStride * row );
+		double load = 0.0;
+		for ( const Load& each : loads )
+		{
+			load += each.body == &joint.getRigidBodyA() ? inA.dot( each.impulse ) : 0.0;
+			load += each.body == &joint.getRigidBodyB() ? inB.dot( each.impulse ) : 0.0;
+		}
+		const double limit = std::min( -double( rows.low[at] ), double( rows.high[at] ) );
+		if ( !( limit > 0.0 && 2.0 * std::abs( load ) <= limit ) ) // a stop presses one way; a motor may give way
+		{
+			continue;
+		}
+		const Eigen::Index index = m_rows.rows();
+		m_rows.conservativeResize( index + 1, 6 * Eigen::Index( m_bodies.size() ) );
+		m_rows.row( index ).setZero();
+		double wanted = double( rows.error[at] );
+		for ( int side = 0; side < 2; ++side )
+		{
+			const btRigidBody& body = side == 0 ? joint.getRigidBodyA() : joint.getRigidBodyB();
+			const Vector6& six = side == 0 ? inA : inB;
+			const int own = side == 0 ? a : b;
+			if ( own >= 0 )
+			{
+				m_rows.block<1, 6>( index, 6 * own ) = six.transpose();
+			}
+			else
+			{
+				wanted -= body.isKinematicObject() ? six.dot( sixOf( body.getLinearVelocity(), body.getAngularVelocity() ) ) : 0.0;
+			}
+		}
+		m_wanted.conservativeResize( index + 1 );
+		m_wanted[index] = wanted;
+		m_softness.conservativeResize( index + 1 );
+		m_softness[index] = double( rows.cfm[at] );
+		m_jointOfRow.push_back( &joint );
+	}
+}
+
+bool JointGroup::collect( btRigidBody& body, const Joints& joints, const std::vector<Load>& loads, double h, double erp )
+{
+	m_h = h;
+	m_erp = erp;
+	addBodies( body, joints );
+	if ( m_bodies.size() > kMostJoined )
+	{
+		return false;
+	}
+	m_rows.resize( 0, 6 * Eigen::Index( m_bodies.size() ) );
+	m_wanted.resize( 0 );
+	m_softness.resize( 0 );
+	m_jointOfRow.clear();
+	for ( int k = 0; k < joints.size(); ++k )
+	{
+		if ( joints[k]->isEnabled() && ( contains( joints[k]->getRigidBodyA() ) || contains( joints[k]->getRigidBodyB() ) ) )
+		{
+			addRows( *joints[k], loads );
+		}
+	}
+	finish();
+	return true;
+}
+
+void JointGroup::finish()
+{
+	const Eigen::Index size = 6 * Eigen::Index( m_bodies.size() );
+	m_inverse = Eigen::MatrixXd::Zero( size, size );
+	m_velocities.resize( size );
+	for ( std::size_t k = 0; k < m_bodies.size(); ++k )
+	{
+		const btRigidBody& body = *m_bodies[k];
+		const Eigen::Index at = 6 * Eigen::Index( k );
+		for ( int i = 0; i < 3; ++i )
+		{
+			m_inverse( at + i, at + i ) = double( body.getInvMass() );
+			for ( int j = 0; j < 3; ++j )
+			{
+				m_inverse( at + 3 + i, at + 3 + j ) = double( body.getInvInertiaTensorWorld()[i][j] );
+			}
+		}
+		m_velocities.segment<6>( at ) = sixOf( body.getLinearVelocity(), body.getAngularVelocity() ) +
+			m_h * ( m_inverse.block<6, 6>( at, at ) * sixOf( body.getTotalForce(), body.getTotalTorque() ) );
+	}
+	m_whole = m_inverse;
+	m_answers = Eigen::VectorXd::Zero( m_rows.rows() );
+	if ( m_rows.rows() == 0 )
+	{
+		return;
+	}
+	const Eigen::MatrixXd moved = m_inverse * m_rows.transpose();
+	Eigen::MatrixXd gram = m_rows * moved;
+	gram.diagonal() += m_softness;
+	gram.diagonal() *= 1.0 + kJointRounding; // rows may say the same twice
+	const Eigen::LDLT<Eigen::MatrixXd> factors( gram );
+	m_answer = -factors.solve( moved.transpose() );
+	m_whole += moved * m_answer;
+	m_whole = ( 0.5 * ( m_whole + m_whole.transpose() ) ).eval();
+	m_velocities += moved * factors.solve( m_wanted - m_rows * m_velocities );
+}
+
+Eigen::MatrixXd JointGroup::mobilityOf( const std::vector<const btRigidBody*>& some ) const
+{
+	const Eigen::Index size = 6 * Eigen::Index( some.size() );
+	Eigen::MatrixXd mobility( size, size );
+	for ( std::size_t a = 0; a < some.size(); ++a )
+	{
+		for ( std::size_t b = 0; b < some.size(); ++b )
+		{
+			mobility.block<6, 6>( 6 * Eigen::Index( a ), 6 * Eigen::Index( b ) ) = m_whole.block<6, 6>(
+				6 * indexOf( some[a] ), 6 * indexOf( some[b] ) );
+		}
+	}
+	return mobility;
+}
+
+void JointGroup::strike( const std::vector<Load>& impulses )
+{
+	Eigen::VectorXd all = Eigen::VectorXd::Zero( m_whole.rows() );
+	for ( const Load& each : impulses )
+	{
+		all.segment<6>( 6 * indexOf( each.body ) ) += each.impulse;
+	}
+	const Eigen::VectorXd change = m_whole * all;
+	for ( std::size_t k = 0; k < m_bodies.size(); ++k )
+	{
+		const Eigen::Matrix<btScalar, 6, 1> own = change.segment<6>( 6 * Eigen::Index( k ) ).cast<btScalar>();
+		m_bodies[k]->setLinearVelocity( m_bodies[k]->getLinearVelocity() + btVector3( own[0], own[1], own[2] ) );
+		m_bodies[k]->setAngularVelocity( m_bodies[k]->getAngularVelocity() + btVector3( own[3], own[4], own[5] ) );
+	}
+	if ( m_rows.rows() > 0 )
+	{
+		m_answers = m_answer * all;
+	}
+}
+
+void JointGroup::tellJoints() const
+{
+	for ( Eigen::Index row = 0; row < m_answers.size(); ++row )
+	{
+		btTypedConstraint& joint = *m_jointOfRow[std::size_t( row )];
+		const bool isLast = row + 1 == m_answers.size() || m_jointOfRow[std::size_t( row ) + 1] != &joint;
+		if ( isLast ) // Bullet keeps the impulse of a joint's last row
+		{
+			joint.internalSetAppliedImpulse( joint.internalGetAppliedImpulse() + btScalar( m_answers[row] ) );
+		}
+		if ( std::abs( m_answers[row] ) >= double( joint.getBreakingImpulseThreshold() ) )
+		{
+			joint.setEnabled( false );
+		}
+		btJointFeedback* const feedback = joint.getJointFeedback();
+		for ( int side = 0; side < 2 && feedback; ++side )
+		{
+			const int own = indexOf( side == 0 ? &joint.getRigidBodyA() : &joint.getRigidBodyB() );
+			if ( own >= 0 )
+			{
+				const Eigen::Matrix<btScalar, 6, 1> force = ( m_answers[row] / m_h * m_rows.block<1, 6>( row, 6 * own ).transpose() )
+																.cast<btScalar>();
+				( side == 0 ? feedback->m_appliedForceBodyA : feedback->m_appliedForceBodyB ) += btVector3( force[0], force[1], force[2] );
+				( side == 0 ? feedback->m_appliedTorqueBodyA : feedback->m_appliedTorqueBodyB ) += btVector3(
+					force[3], force[4], force[5] );
+			}
+		}
+	}
+}
+
+JointGroup::Vector6 JointGroup::freeVelocityOf( const btRigidBody& body ) const
+{
+	return m_velocities.segment<6>( 6 * indexOf( &body ) );
+}
+
+} // namespace pliant
