@@ -10,8 +10,8 @@ namespace pliant {
 
 namespace {
 
-/// Whether a body has been moved, and not put somewhere else: it goes no further than it is wide.
-bool isWay( const btRigidBody& body, const btTransform& start, const btTransform& end )
+/// Whether a body has been moved and not teleported: by no more than its width.
+bool isContinuous( const btRigidBody& body, const btTransform& start, const btTransform& end )
 {
 	btVector3 centre;
 	btScalar radius = 0;
@@ -23,7 +23,7 @@ bool isWay( const btRigidBody& body, const btTransform& start, const btTransform
 
 void KinematicMotion::noteStarts( const btCollisionObjectArray& objects, int steps )
 {
-	m_ways.clear();
+	m_motions.clear();
 	m_steps = std::max( steps, 1 );
 	m_step = 0;
 	for ( int k = 0; k < objects.size(); ++k )
@@ -33,62 +33,64 @@ void KinematicMotion::noteStarts( const btCollisionObjectArray& objects, int ste
 		btRigidBody* const body = object.isKinematicObject() && object.isActive() ? btRigidBody::upcast( &object ) : nullptr;
 		if ( body )
 		{
-			m_ways.push_back( Way{ body, k, body->getInterpolationWorldTransform(), btTransform::getIdentity(), false } );
+			m_motions.push_back( Motion{ body, k, body->getInterpolationWorldTransform(), btTransform::getIdentity(), false } );
 		}
 	}
 }
 
 void KinematicMotion::beginStep( const btCollisionObjectArray& objects )
 {
-	std::erase_if( m_ways, [&objects]( const Way& way ) {
-		return way.index >= objects.size() || objects[way.index] != way.body; // a callback has changed the list
+	std::erase_if( m_motions, [&objects]( const Motion& motion ) {
+		return motion.index >= objects.size() || objects[motion.index] != motion.body; // a callback has changed the list
 	} );
-	for ( Way& way : m_ways )
+	for ( Motion& motion : m_motions )
 	{
-		way.end = way.body->getWorldTransform();
-		way.moves = way.body->isKinematicObject() && !( way.end == way.start ) && isWay( *way.body, way.start, way.end );
+		motion.end = motion.body->getWorldTransform();
+		motion.moves = motion.body->isKinematicObject() && !( motion.end == motion.start ) &&
+			isContinuous( *motion.body, motion.start, motion.end );
 	}
 	++m_step;
 }
 
-btTransform KinematicMotion::poseAt( const Way& way, btScalar fraction ) const
+btTransform KinematicMotion::poseAt( const Motion& motion, btScalar fraction ) const
 {
 	const btScalar t = std::min( ( btScalar( m_step - 1 ) + fraction ) / btScalar( m_steps ), btScalar( 1 ) );
-	btTransform pose( way.end.getBasis(), way.start.getOrigin().lerp( way.end.getOrigin(), t ) );
-	if ( !( way.start.getBasis() == way.end.getBasis() ) )
+	btTransform pose( motion.end.getBasis(), motion.start.getOrigin().lerp( motion.end.getOrigin(), t ) );
+	if ( !( motion.start.getBasis() == motion.end.getBasis() ) )
 	{
-		pose.setRotation( way.start.getRotation().slerp( way.end.getRotation(), t ) );
+		pose.setRotation( motion.start.getRotation().slerp( motion.end.getRotation(), t ) );
 	}
 	return pose;
 }
 
 void KinematicMotion::place( btScalar fraction )
 {
-	for ( const Way& way : m_ways )
+	for ( const Motion& motion : m_motions )
 	{
-		if ( way.moves )
+		if ( motion.moves )
 		{
-			way.body->setWorldTransform( m_step == m_steps && fraction >= 1 ? way.end : poseAt( way, fraction ) );
+			motion.body->setWorldTransform( m_step == m_steps && fraction >= 1 ? motion.end : poseAt( motion, fraction ) );
 		}
 	}
 }
 
 void KinematicMotion::finish()
 {
-	for ( Way& way : m_ways )
+	for ( Motion& motion : m_motions )
 	{
-		if ( way.moves )
+		if ( motion.moves )
 		{
-			way.body->setWorldTransform( way.end );
-			way.moves = false;
+			motion.body->setWorldTransform( motion.end );
+			motion.moves = false;
 		}
 	}
 }
 
 bool KinematicMotion::boxOf( const btCollisionObject& object, btVector3& low, btVector3& high ) const
 {
-	const auto found = std::find_if( m_ways.begin(), m_ways.end(), [&object]( const Way& way ) { return way.body == &object; } );
-	if ( found == m_ways.end() || !found->moves )
+	const auto found = std::find_if(
+		m_motions.begin(), m_motions.end(), [&object]( const Motion& motion ) { return motion.body == &object; } );
+	if ( found == m_motions.end() || !found->moves )
 	{
 		return false;
 	}
@@ -105,11 +107,12 @@ bool KinematicMotion::boxOf( const btCollisionObject& object, btVector3& low, bt
 
 void KinematicMotion::forget( const btCollisionObject& object )
 {
-	const auto found = std::find_if( m_ways.begin(), m_ways.end(), [&object]( const Way& way ) { return way.body == &object; } );
-	if ( found != m_ways.end() )
+	const auto found = std::find_if(
+		m_motions.begin(), m_motions.end(), [&object]( const Motion& motion ) { return motion.body == &object; } );
+	if ( found != m_motions.end() )
 	{
 		found->moves ? found->body->setWorldTransform( found->end ) : void(); // a callback takes it out in the middle of a step
-		m_ways.erase( found );
+		m_motions.erase( found );
 	}
 }
 

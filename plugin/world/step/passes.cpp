@@ -160,10 +160,10 @@ void WorldStep::updateBoxes()
 			m_parts.world.updateSingleAabb( &object );
 			isOutdated = true;
 		}
-		SubstepGroup::Box way;
-		if ( bodies.pass() == StepPass::Whole && m_kinematic.boxOf( object, way.low, way.high ) )
+		SubstepGroup::Box swept;
+		if ( bodies.pass() == StepPass::Whole && m_kinematic.boxOf( object, swept.low, swept.high ) )
 		{
-			m_parts.world.getBroadphase()->setAabb( object.getBroadphaseHandle(), way.low, way.high, m_parts.dispatcher );
+			m_parts.world.getBroadphase()->setAabb( object.getBroadphaseHandle(), swept.low, swept.high, m_parts.dispatcher );
 		}
 	}
 	if ( isOutdated )
