@@ -1,6 +1,7 @@
 // What the game does to a body: velocities, forces, impulses, gravity, positions. Each is refused if a number is bad, and then changes
 // nothing.
 
+#include "body/rigid_state.h"
 #include "matching/constants.h"
 #include "world/bodies/placing.h"
 #include "world/constants.h"
@@ -65,6 +66,12 @@ Status checkTransform( const btTransform& transform, const char* call )
 	return {};
 }
 
+void SoftBody::Impl::followVelocities()
+{
+	body->followVelocities();
+	mustDeform = mustDeform || ( rigidProxy && body->rigidState()->isHeld );
+}
+
 Status SoftBody::setLinearVelocity( const btVector3& velocity )
 {
 	const Status status = setVelocities( velocity, btVector3( 0, 0, 0 ) );
@@ -92,7 +99,7 @@ Status SoftBody::setVelocities( const btVector3& linear, const btVector3& angula
 	{
 		nodes.v.set( i, velocityOf( i ) );
 	}
-	m_impl->body->followVelocities();
+	m_impl->followVelocities();
 	activate( true );
 	return {};
 }
@@ -147,7 +154,7 @@ Status SoftBody::applyCentralImpulse( const btVector3& impulse )
 	{
 		nodes.v.set( i, nodes.v.get( i ) + nodes.freedom[i] * change );
 	}
-	m_impl->body->followVelocities();
+	m_impl->followVelocities();
 	activate( true );
 	return {};
 }

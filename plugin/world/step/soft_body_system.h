@@ -216,7 +216,7 @@ private:
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
 	bool canBeRigid( const SoftBody& body ) const;
-	double loadOn( const SoftBody& body ) const; ///< sum of the contact forces on a deformable body, N
+	double loadOn( const SoftBody& body ) const;                         ///< sum of the contact forces on a deformable body, N
 	/// Brakes bodies in their rigid state that touch something: their spin about the normal, and too fast a rotation.
 	void brakeRigidProxies( btDispatcher& dispatcher );
 	void forecastImpacts( btScalar h );
