@@ -139,11 +139,14 @@ TEST( HeldBodies, FollowTheBodyThatTheyArePinnedTo )
 	}
 	test.run( 240 );
 	ASSERT_TRUE( shelf->isRigid() && !shelf->isActive() );
-	wall->setWorldTransform( at( -0.72f, 1.05f, 0 ) );
 	shelf->activate();
-	test.run( 1 );
-	EXPECT_FALSE( shelf->isRigid() );
-	test.run( 600 );
+	for ( int frame = 1; frame <= 50; ++frame )
+	{
+		wall->setWorldTransform( at( -0.72f, 1 + btScalar( 0.001 ) * btScalar( frame ), 0 ) );
+		test.run( 1 );
+		EXPECT_FALSE( shelf->isRigid() );
+	}
+	test.run( 180 );
 	EXPECT_NEAR( shelf->massCentre().y(), 1.05, 0.02 );
 	EXPECT_TRUE( shelf->isRigid() );
 }
