@@ -16,7 +16,7 @@ constexpr float kGlassPaneWidth = 1.2f, kHeight = 0.9f, kGlassPaneThickness = 0.
 constexpr float kGlassPaneCell = 0.02f;                                              // m
 constexpr btScalar kFoot = btScalar( 0.25 );                                         // m, under the pane
 constexpr btScalar kFrame = btScalar( 0.06 );                                        // m thick
-constexpr btScalar kHold = btScalar( 0.03 );                                         // m, width of the border that the frame holds
+constexpr btScalar kHold = btScalar( 0.04 );                                         // m of the pane in the frame: two cells
 constexpr btScalar kBall = btScalar( 0.09 );                                         // m across
 constexpr btScalar kGlassPaneBallMass = btScalar( 3 );                               // kg
 constexpr btScalar kGlassPaneSpeed = btScalar( 14 );                                 // m/s

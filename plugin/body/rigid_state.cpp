@@ -45,6 +45,30 @@ bool hasHeldNodes( const NodeState& nodes )
 	return std::any_of( nodes.freedom.begin(), nodes.freedom.begin() + nodes.count, []( float freedom ) { return freedom == 0.0f; } );
 }
 
+/// Whether pinned nodes leave a body no rigid motion: they are spread in two directions, or there are no others. `cell`: size, m.
+bool areHeldFirmly( const NodeState& nodes, double cell )
+{
+	Vec3d sum = Vec3d::Zero();
+	Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+	int held = 0;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		if ( nodes.freedom[i] == 0.0f )
+		{
+			const Vec3d at = nodes.x.get( i ).cast<double>();
+			sum += at;
+			squares += at * at.transpose();
+			++held;
+		}
+	}
+	if ( held == 0 || held == nodes.count )
+	{
+		return held > 0;
+	}
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread( squares / held - sum * sum.transpose() / ( held * double( held ) ) );
+	return spread.eigenvalues()[1] > kFirmSpread * kFirmSpread * cell * cell;
+}
+
 } // namespace
 
 // The midpoint rule for the rotation: L is constant in the world, w = I^-1 L changes with the axes.
@@ -149,17 +173,19 @@ bool Body::isHardlyStrained( const StrainSize& strain ) const
 	return strain.mean <= largestInvisibleStrain() && strain.ofBreakable <= rigidBreakStrain();
 }
 
-// A body under a load that strains a part of it visibly, such as a shard in a heap, may be rigid while the load stays, if it is calm.
+// A body under a load that strains a part of it visibly, such as a shard in a heap, may be rigid while the load stays, if it is calm. So
+// may a pinned body at rest.
 bool Body::canBecomeRigid( bool isAtRest ) const
 {
 	const double limit = largestInvisibleStrain();
-	if ( m_rigid || m_material.rigidStrain == 0.0f || !m_isOnePart || hasBrokenLinks() || hasFlowed() || hasHeldNodes( m_nodes ) ||
-		!vibratesLess( limit ) )
+	const bool isHeld = hasHeldNodes( m_nodes );
+	if ( m_rigid || m_material.rigidStrain == 0.0f || !m_isOnePart || hasBrokenLinks() || hasFlowed() ||
+		!( isHeld ? isAtRest && areHeldFirmly( m_nodes, double( m_lattice->cellSize ) ) : vibratesLess( limit ) ) )
 	{
 		return false;
 	}
 	const StrainSize strain = strainSize();
-	return isHardlyStrained( strain ) && ( !isBent( strain ) || ( isAtRest && vibratesLess( kCalmFraction * limit ) ) );
+	return isHardlyStrained( strain ) && ( isHeld || !isBent( strain ) || ( isAtRest && vibratesLess( kCalmFraction * limit ) ) );
 }
 
 void Body::becomeRigid()
@@ -183,8 +209,12 @@ void Body::becomeRigid()
 		[thin, least]( double moment ) { return moment > thin ? std::max( moment, least ) : 0.0; } );
 	state.motion.rotation = Eigen::Quaterniond( frame ).normalized();
 	state.motion.centre = m_nodes.origin + whole.centre;
-	state.motion.velocity = whole.momentum / whole.mass;
-	state.motion.angularVelocity = freeAngularVelocity( state.moments, state.motion.rotation, whole.spin );
+	state.isHeld = hasHeldNodes( m_nodes );
+	if ( !state.isHeld )
+	{
+		state.motion.velocity = whole.momentum / whole.mass;
+		state.motion.angularVelocity = freeAngularVelocity( state.moments, state.motion.rotation, whole.spin );
+	}
 	state.arm.resize( m_nodes.padded );
 	for ( int i = 0; i < m_nodes.count; ++i )
 	{
@@ -226,7 +256,7 @@ void Body::setRigidVelocities( const Vec3d& linear, const Vec3d& angular )
 
 void Body::followVelocities()
 {
-	if ( !m_rigid )
+	if ( !m_rigid || m_rigid->isHeld )
 	{
 		return;
 	}

@@ -25,6 +25,7 @@ struct RigidState
 		Vec3d::Zero();   ///< principal moments of inertia, kg m^2; 0: all nodes are on that axis, and the body has no spin about it
 	Vec3Array arm;       ///< node positions in the frame, m
 	bool isBent = false; ///< by more than Body::largestInvisibleStrain, by a load that has to stay
+	bool isHeld = false; ///< by pinned nodes: it is at rest until it deforms
 };
 
 /// Moves a free rigid body by h, s, at constant angular momentum.

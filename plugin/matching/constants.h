@@ -24,6 +24,8 @@ inline constexpr double kInertiaFloor = 1e-6;
 inline constexpr double kCellInertia = 0.1;
 /// A body that breaks is rigid up to this fraction of the strain at which its weakest link breaks.
 inline constexpr double kRigidBreakFraction = 0.8;
+/// Pinned nodes hold a body against rotation if they are spread by this many cells, root mean square, in two directions.
+inline constexpr double kFirmSpread = 0.25;
 /// A body that a load strains visibly somewhere is calm, and may be rigid, if it vibrates by less than this fraction of the visible limit.
 inline constexpr double kCalmFraction = 0.2;
 /// Largest Material::rigidStrain: more could be seen.

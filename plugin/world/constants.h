@@ -111,6 +111,8 @@ inline constexpr double kRollingInertia = 0.1;
 inline constexpr double kSleepFraction = 0.03;
 /// ... or below that of a fall over kContactSlop, while no node moves by more than this many radii: a body pressed to and fro at rest.
 inline constexpr double kRestDisplacement = 0.1;
+/// The same for pinned bodies that may be rigid, which swing in place for long, at any velocity.
+inline constexpr double kHeldDisplacement = 0.5;
 
 /// A body in its rigid state may sleep if its angular velocity is below Bullet's threshold, or if its farthest point is slower than this,
 /// m/s: a shard of 10 cm that is pressed to and fro in a heap rotates by 1 to 2 rad/s from time to time.
@@ -288,6 +290,10 @@ inline constexpr btScalar kRigidParting = btScalar( 0.3 ), kLeastCorrection = bt
 inline constexpr double kRigidLoad = 2.0;
 /// One that was bent then, under less than this fraction of it.
 inline constexpr double kBentLoad = 0.25;
+/// Impacts on pinned bodies in their rigid state are looked for from this velocity on, m/s: the least that matters depends on the mass.
+inline constexpr double kHeldForecast = 0.05;
+/// A pin that follows a body is still where its node is this near to its place, m: the rounding of positions.
+inline constexpr btScalar kStillPin = btScalar( 1e-4 );
 
 // --- Attachments ---
 

@@ -192,7 +192,7 @@ void archive( Archive& archive, RigidState& state )
 {
 	RigidMotion& motion = state.motion;
 	archive( motion.centre, motion.rotation, motion.velocity, motion.angularVelocity, state.mass, state.moments, state.arm.x, state.arm.y,
-		state.arm.z, state.isBent );
+		state.arm.z, state.isBent, state.isHeld );
 	archive.require( motion.centre.allFinite() && motion.rotation.coeffs().allFinite() && motion.velocity.allFinite() &&
 			motion.angularVelocity.allFinite() && std::isfinite( state.mass ) && state.mass > 0.0 && state.moments.allFinite() &&
 			state.moments.minCoeff() >= 0.0,

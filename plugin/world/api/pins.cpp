@@ -48,6 +48,7 @@ Status SoftBody::pin( const PinRequest& request )
 	pin->point = request.point;
 	pin->hasTarget = pin->kind == PinKind::Driven;
 	impl.body->setPinned( request.node, true );
+	impl.mustDeform = true;
 	impl.body->nodes().v.set( request.node, Vec3::Zero() );
 	impl.system ? impl.system->equationsChanged( *this ) : void();
 	activate( true );
@@ -116,6 +117,7 @@ void SoftBody::releaseNode( int node )
 	{
 		impl.pins.erase( impl.pins.begin() + ( found - impl.pins.data() ) );
 		impl.body->setPinned( node, false );
+		impl.mustDeform = true;
 		impl.system ? impl.system->equationsChanged( *this ) : void();
 		activate( true );
 	}

@@ -1,6 +1,7 @@
 // Calls of the game on a body: velocities, forces, impulses, gravity, positions. Each is refused if a number is bad, and then changes
 // nothing.
 
+#include "body/rigid_state.h"
 #include "matching/constants.h"
 #include "world/bodies/placing.h"
 #include "world/constants.h"
@@ -75,6 +76,12 @@ Status checkTransform( const btTransform& transform, const char* call )
 	return {};
 }
 
+void SoftBody::Impl::followVelocities()
+{
+	body->followVelocities();
+	mustDeform = mustDeform || ( rigidProxy && body->rigidState()->isHeld );
+}
+
 Status SoftBody::setLinearVelocity( const btVector3& velocity )
 {
 	if ( Status status = m_impl->checkTime( "setLinearVelocity" ); !status.ok() )
@@ -110,7 +117,7 @@ Status SoftBody::setVelocities( const btVector3& linear, const btVector3& angula
 	{
 		nodes.v.set( i, velocityOf( i ) );
 	}
-	m_impl->body->followVelocities();
+	m_impl->followVelocities();
 	activate( true );
 	return {};
 }
@@ -177,7 +184,7 @@ Status SoftBody::applyCentralImpulse( const btVector3& impulse )
 	{
 		nodes.v.set( i, nodes.v.get( i ) + nodes.freedom[i] * change );
 	}
-	m_impl->body->followVelocities();
+	m_impl->followVelocities();
 	activate( true );
 	return {};
 }

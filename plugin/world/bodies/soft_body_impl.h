@@ -281,6 +281,8 @@ struct SoftBody::Impl
 	/// Moves the object's transform and the spheres to the nodes and records their velocities; the bounds in Bullet must then be updated.
 	void placeSpheres( btCollisionObject& object, const MotionSums& motion, TaskRunner* runner = nullptr );
 	void placeShape( btCollisionObject& object );
+	/// After nodes got velocities: a body in its rigid state takes their motion, or deforms where pins hold it.
+	void followVelocities();
 	/// Moves the object's transform to that of the rigid state.
 	void placeRigid( SoftBody& owner );
 	/// Between steps, and not while contacts are searched. In a world, contacts with the previous shape must be removed afterwards.

@@ -186,7 +186,7 @@ void apply( const Push& push )
 		{
 			nodes.v.set( i, nodes.v.get( i ) + push.nodes[std::size_t( i )] );
 		}
-		soft->impl().body->followVelocities();
+		soft->impl().followVelocities();
 		soft->activate( true );
 		return;
 	}

@@ -4,6 +4,7 @@
 #include "body/rigid_state.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
+#include "world/rigid/rigid_load.h"
 #include "world/step/soft_body_system.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
@@ -73,7 +74,8 @@ btScalar massOf( const btCollisionObject& object )
 {
 	const SoftBody* const soft = SoftBody::upcast( &object );
 	const btRigidBody* const rigid = btRigidBody::upcast( &object );
-	const bool isFixed = object.isStaticOrKinematicObject() || ( !soft && ( !rigid || rigid->getInvMass() == 0 ) );
+	const bool isHeld = soft && soft->impl().rigidProxy && soft->impl().body->rigidState()->isHeld;
+	const bool isFixed = isHeld || object.isStaticOrKinematicObject() || ( !soft && ( !rigid || rigid->getInvMass() == 0 ) );
 	return isFixed ? btScalar( SIMD_INFINITY ) : soft ? soft->mass() : 1 / rigid->getInvMass();
 }
 
@@ -124,15 +126,6 @@ struct Overlaps : btBroadphaseAabbCallback
 	}
 };
 
-/// A light object's velocity counts less: nothing lighter than a cell strains the body.
-btScalar largestApproach( const SoftBody& body, const btCollisionObject& other )
-{
-	const Body& core = *body.impl().body;
-	const double speed = core.largestInvisibleVelocity();
-	const double cell = core.rigidState()->mass / double( core.lattice().cellCount() ), mass = double( massOf( other ) );
-	return btScalar( mass < SIMD_INFINITY ? speed * ( mass + cell ) / mass : speed );
-}
-
 } // namespace
 
 bool SoftBodySystem::mayTouch( SoftBody& body, btCollisionObject& other )
@@ -166,7 +159,8 @@ void SoftBodySystem::forecastImpact( SoftBody& body, btCollisionObject& other, c
 		return;
 	}
 	const ForecastMotion &own = motions.of( body ), &others = motions.of( other );
-	const btScalar limit = largestApproach( body, other ), turn = fastestTurn( body, own ) + fastestTurn( other, others );
+	const btScalar limit = btScalar( largestApproach( *body.impl().body, double( massOf( other ) ) ) );
+	const btScalar turn = fastestTurn( body, own ) + fastestTurn( other, others );
 	const btVector3 approach = own.velocity - others.velocity;
 	const btScalar bound = approach.length() + turn;
 	if ( bound <= limit || !comeNear( body, other, approach * h, turn * h ) )
@@ -190,7 +184,9 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 	{
 		if ( body->impl().rigidProxy )
 		{
-			slowest = std::min( slowest, body->impl().body->largestInvisibleVelocity() );
+			const Body& core = *body->impl().body;
+			const double speed = core.largestInvisibleVelocity();
+			slowest = std::min( slowest, core.rigidState()->isHeld ? std::min( speed, kHeldForecast ) : speed );
 		}
 	}
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();

@@ -3,6 +3,7 @@
 #include "body/rigid_state.h"
 #include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/rigid/rigid_load.h"
 #include "world/step/soft_body_system.h"
 
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
@@ -14,18 +15,6 @@
 namespace pliant {
 
 namespace {
-
-/// The load that strains a body of this size by as much as must not be seen, N: E e V^( 2 / 3 ).
-double largestLoad( const Body& body )
-{
-	const double volume = body.rigidState()->mass / double( body.material().density );
-	return double( body.material().youngsModulus ) * body.largestInvisibleStrain() * std::pow( volume, 2.0 / 3.0 );
-}
-
-bool isOverloaded( const SoftBody::Impl& impl )
-{
-	return impl.rigidLoad.now > std::max( kRigidLoad * impl.rigidLoad.first, largestLoad( *impl.body ) );
-}
 
 /// Replaces the sides of manifolds for which `replacement( side, manifold )` is not null.
 template <class Replacement>
@@ -39,16 +28,6 @@ void exchangeSides( btDispatcher& dispatcher, const Replacement& replacement )
 			manifold.setBodies( first ? first : manifold.getBody0(), second ? second : manifold.getBody1() );
 		}
 	} );
-}
-
-double impulseOf( const btPersistentManifold& manifold )
-{
-	double impulse = 0.0;
-	for ( int k = 0; k < manifold.getNumContacts(); ++k )
-	{
-		impulse += std::abs( double( manifold.getContactPoint( k ).m_appliedImpulse ) );
-	}
-	return impulse;
 }
 
 /// The rigid body that a side of a manifold is in the solver, or null: nothing else turns.
@@ -105,6 +84,16 @@ bool canBrakeSpin( const btPersistentManifold& manifold )
 	return manifold.getNumContacts() > 0 && isKnown( manifold.getBody0() ) && isKnown( manifold.getBody1() );
 }
 
+/// Whether one of the sides can move: what pins hold is as static as what it touches.
+bool canPush( const btPersistentManifold& manifold )
+{
+	const auto moves = []( const btCollisionObject* side ) {
+		const SoftBody* const owner = ownerOfRigidProxy( side );
+		return !side->isStaticOrKinematicObject() && !( owner && owner->impl().body->rigidState()->isHeld );
+	};
+	return moves( manifold.getBody0() ) || moves( manifold.getBody1() );
+}
+
 /// Visits the contact points of bodies in their rigid state.
 template <class Visit>
 void forRigidContacts( btDispatcher& dispatcher, Visit&& visit )
@@ -116,9 +105,20 @@ void forRigidContacts( btDispatcher& dispatcher, Visit&& visit )
 		}
 		for ( int k = 0; k < manifold.getNumContacts(); ++k )
 		{
-			visit( manifold.getContactPoint( k ) );
+			visit( manifold, manifold.getContactPoint( k ) );
 		}
 	} );
+}
+
+/// Whether a manifold is that of a held body's hulls and a node of another pinned body: as they were when they became neighbours, they
+/// stay.
+bool isBetweenPinned( const btPersistentManifold& manifold )
+{
+	const auto isPinned = []( const btCollisionObject* side ) {
+		const SoftBody *const rigid = ownerOfRigidProxy( side ), *const owner = rigid ? rigid : ownerOfContactProxy( side );
+		return owner && !owner->impl().pins.empty();
+	};
+	return isPinned( manifold.getBody0() ) && isPinned( manifold.getBody1() );
 }
 
 /// The deepest penetration that the solver sees, m. It corrects a fraction of it in a step.
@@ -127,18 +127,12 @@ btScalar deepestSeen( const btContactSolverInfo& info )
 	return kRigidParting * info.m_timeStep / btMax( info.m_erp2, kLeastCorrection );
 }
 
-/// Whether what bends the body has gone, mostly: it would keep its dent. `weight`: the body's own, N, which is a load on it too.
-bool isUnloaded( const SoftBody::Impl& impl, double weight )
-{
-	return impl.body->rigidState()->isBent && impl.rigidLoad.now - weight < kBentLoad * ( impl.rigidLoad.first - weight );
-}
-
 } // namespace
 
 bool SoftBodySystem::canBeRigid( const SoftBody& body ) const
 {
 	const SoftBody::Impl& impl = body.impl();
-	return body.material().rigidStrain > 0.0f && impl.pins.empty() && !impl.self && !impl.hasNodeForces && impl.newCuts.empty() &&
+	return body.material().rigidStrain > 0.0f && arePinsStill( impl ) && !impl.self && !impl.hasNodeForces && impl.newCuts.empty() &&
 		!body.isStaticOrKinematicObject() && impl.isHealthy && !impl.body->hasBrokenLinks() && !impl.follower &&
 		( !impl.forces || impl.forces->gas.law == GasLaw::None ) && ( attachments.isEmpty() || !attachments.contain( body ) ) &&
 		std::none_of( frames.all().begin(), frames.all().end(), [&body]( const Frame& frame ) { return frame.body == &body; } );
@@ -176,8 +170,7 @@ void SoftBodySystem::deformLoaded( btScalar gameStep )
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		const double weight = double( impl.mass * gravityOf( *body ).length() );
-		if ( impl.rigidProxy && ( impl.mustDeform || !canBeRigid( *body ) || isOverloaded( impl ) || isUnloaded( impl, weight ) ) )
+		if ( impl.rigidProxy && ( impl.mustDeform || !canBeRigid( *body ) || hasOtherLoad( impl, gravityOf( *body ) ) ) )
 		{
 			deform( *body );
 			removeContacts( *body );
@@ -204,8 +197,10 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 		SoftBody::Impl& impl = body->impl();
 		if ( impl.rigidProxy )
 		{
-			impl.rigidLoad.now = body->isActive() ? impl.rigidLoad.impulse / double( gameStep ) : impl.rigidLoad.now;
-			impl.rigidLoad.impulse = 0.0;
+			RigidLoad& load = impl.rigidLoad;
+			load.now = body->isActive() ? load.impulse / double( gameStep ) : load.now;
+			load.first = load.first < 0.0 ? load.now : load.first;
+			load.impulse = 0.0;
 			continue;
 		}
 		if ( body->material().rigidStrain <= 0.0f || !moves( *body ) || --impl.rigidWait > 0 )
@@ -213,10 +208,11 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 			continue;
 		}
 		impl.rigidWait = kRigidRetry;
-		if ( canBeRigid( *body ) && impl.body->canBecomeRigid( impl.restTime > kBentRest ) )
+		const double restTime = impl.pins.empty() ? impl.restTime : double( body->getDeactivationTime() );
+		if ( canBeRigid( *body ) && impl.body->canBecomeRigid( restTime > kBentRest ) )
 		{
 			const double load = loadOn( *body );
-			impl.rigidLoad = RigidLoad{ 0.0, load, load };
+			impl.rigidLoad = RigidLoad{ 0.0, load, impl.pins.empty() ? load : -1.0, pullOn( impl, gravityOf( *body ) ) };
 			impl.becomeRigid( *body );
 			removeContacts( *body );
 		}
@@ -234,7 +230,10 @@ void SoftBodySystem::accelerateRigid( btScalar h )
 		fields.areActing = fields.count() > 0;
 		fields.push( *body, gravityOf( *body ), double( h ) );
 		fields.areActing = false;
-		impl.body->applyRigidForces( float( h ), ownAcceleration( *body ).cast<double>() );
+		if ( !impl.body->rigidState()->isHeld )
+		{
+			impl.body->applyRigidForces( float( h ), ownAcceleration( *body ).cast<double>() );
+		}
 	}
 }
 
@@ -257,7 +256,9 @@ void SoftBodySystem::showRigidProxies( btDispatcher& dispatcher )
 			return soft ? static_cast<const btCollisionObject*>( soft->impl().rigidProxy.get() ) : nullptr;
 		} );
 		const btScalar deepest = deepestSeen( m_world.getSolverInfo() );
-		forRigidContacts( dispatcher, [deepest]( btManifoldPoint& point ) { point.m_distance1 = btMax( point.m_distance1, -deepest ); } );
+		forRigidContacts( dispatcher, [deepest]( const btPersistentManifold& manifold, btManifoldPoint& point ) {
+			point.m_distance1 = btMax( point.m_distance1, isBetweenPinned( manifold ) ? btScalar( 0 ) : -deepest );
+		} );
 	}
 }
 
@@ -299,8 +300,8 @@ void SoftBodySystem::hideRigidProxies( btDispatcher& dispatcher )
 		return;
 	}
 	const btScalar deepest = deepestSeen( m_world.getSolverInfo() );
-	forRigidContacts( dispatcher, [deepest]( btManifoldPoint& point ) {
-		if ( point.m_distance1 == -deepest )
+	forRigidContacts( dispatcher, [deepest]( const btPersistentManifold& manifold, btManifoldPoint& point ) {
+		if ( point.m_distance1 == ( isBetweenPinned( manifold ) ? btScalar( 0 ) : -deepest ) )
 		{
 			point.m_distance1 = ( point.m_positionWorldOnA - point.m_positionWorldOnB ).dot( point.m_normalWorldOnB );
 		}
@@ -310,7 +311,7 @@ void SoftBodySystem::hideRigidProxies( btDispatcher& dispatcher )
 		SoftBody* const owner = ownerOfRigidProxy( side );
 		if ( owner )
 		{
-			owner->impl().rigidLoad.impulse += impulseOf( manifold );
+			owner->impl().rigidLoad.impulse += canPush( manifold ) ? impulseOf( manifold ) : 0.0;
 		}
 		return static_cast<const btCollisionObject*>( owner );
 	} );
@@ -329,11 +330,11 @@ void SoftBodySystem::integrateRigid( btScalar h )
 	for ( SoftBody* body : m_rigid )
 	{
 		SoftBody::Impl& impl = body->impl();
-		if ( !moves( *body ) )
-		{
-			continue; // fell asleep in this substep
-		}
 		const RigidState& state = *impl.body->rigidState();
+		if ( !moves( *body ) || state.isHeld )
+		{
+			continue; // fell asleep in this substep, or is held
+		}
 		impl.body->moveAsRigid( advanced( state, impl.rigidProxy->pushed( state.motion ), double( h ) ) );
 		impl.placeRigid( *body );
 		impl.skin.nodesMoved();

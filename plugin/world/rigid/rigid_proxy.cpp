@@ -10,12 +10,18 @@ namespace {
 
 const char kRigidProxyMark = 0;
 
+/// Mass and moments in the solver: 0, as of a static body, where pins hold it.
+btRigidBody::btRigidBodyConstructionInfo solverBody( const RigidState& state, btCollisionShape& shape )
+{
+	const bool isFree = !state.isHeld;
+	return btRigidBody::btRigidBodyConstructionInfo(
+		isFree ? btScalar( state.mass ) : btScalar( 0 ), nullptr, &shape, isFree ? toBt( state.moments ) : btVector3( 0, 0, 0 ) );
+}
+
 } // namespace
 
 RigidProxy::RigidProxy( SoftBody& owner, std::unique_ptr<RigidShape> hulls ) :
-	btRigidBody( btRigidBodyConstructionInfo(
-		btScalar( owner.impl().body->rigidState()->mass ), nullptr, &hulls->shape(), toBt( owner.impl().body->rigidState()->moments ) ) ),
-	m_owner( owner ), m_hulls( std::move( hulls ) )
+	btRigidBody( solverBody( *owner.impl().body->rigidState(), hulls->shape() ) ), m_owner( owner ), m_hulls( std::move( hulls ) )
 {
 	internalSetExtensionPointer( const_cast<char*>( &kRigidProxyMark ) );
 	setFlags( BT_DISABLE_WORLD_GRAVITY ); // gyroscopic torque too: the core keeps the angular momentum
@@ -30,7 +36,8 @@ void RigidProxy::follow()
 	updateInertiaTensor();
 	setLinearVelocity( toBt( motion.velocity ) );
 	setAngularVelocity( toBt( motion.angularVelocity ) );
-	setCollisionFlags( m_owner.getCollisionFlags() );
+	const bool isHeld = m_owner.impl().body->rigidState()->isHeld;
+	setCollisionFlags( m_owner.getCollisionFlags() | ( isHeld ? CF_STATIC_OBJECT : 0 ) );
 	setIslandTag( m_owner.getIslandTag() );
 	setWorldArrayIndex( static_cast<const btCollisionObject&>( m_owner ).getWorldArrayIndex() );
 	setBroadphaseHandle( m_owner.getBroadphaseHandle() );

@@ -36,9 +36,10 @@ private:
 /// Sums of contact forces on a body in its rigid state.
 struct RigidLoad
 {
-	double impulse = 0.0; ///< in this game step so far, N s
-	double now = 0.0;     ///< in the last game step, N
-	double first = 0.0;   ///< when the body became rigid, N
+	double impulse = 0.0;       ///< in this game step so far, N s
+	double now = 0.0;           ///< in the last game step, N
+	double first = 0.0;         ///< when the body became rigid, N; of a pinned one in its first game step since, and before that below 0
+	Vec3d pull = Vec3d::Zero(); ///< gravity, central force and force fields when a pinned body became rigid, m/s^2
 };
 
 /// The soft body of a rigid proxy, or null for any other object.
