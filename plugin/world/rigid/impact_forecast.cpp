@@ -2,10 +2,12 @@
 // deformable.
 
 #include "body/rigid_state.h"
+#include "world/bodies/obstacle_parts.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/rigid/rigid_load.h"
 #include "world/step/soft_body_system.h"
+#include "world/touch/node_touch.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <LinearMath/btAabbUtil2.h>
@@ -79,41 +81,75 @@ btScalar massOf( const btCollisionObject& object )
 	return isFixed ? btScalar( SIMD_INFINITY ) : soft ? soft->mass() : 1 / rigid->getInvMass();
 }
 
-/// Finds whether two objects collide within a step at a point at which their approach is faster than a limit.
-struct FastContact : btCollisionWorld::ContactResultCallback
+/// The fastest approach at a point at which two objects will collide within a step, m/s.
+struct FastestContact : btCollisionWorld::ContactResultCallback
 {
 	ForecastMotion first, second;
-	btScalar step, limit;
-	bool isFound = false;
+	btScalar step, most = 0;
 
-	FastContact( const ForecastMotion& ofFirst, const ForecastMotion& ofSecond, btScalar h, btScalar fastestAllowed ) :
-		first( ofFirst ), second( ofSecond ), step( h ), limit( fastestAllowed )
+	FastestContact( const ForecastMotion& ofFirst, const ForecastMotion& ofSecond, btScalar h ) :
+		first( ofFirst ), second( ofSecond ), step( h )
 	{}
+	/// `normal`: out of the second, towards the first.
+	void add( const btVector3& pointOfFirst, const btVector3& pointOfSecond, const btVector3& normal, btScalar distance )
+	{
+		const btScalar approach = -( first.at( pointOfFirst ) - second.at( pointOfSecond ) ).dot( normal );
+		most = distance <= approach * step ? btMax( most, approach ) : most;
+	}
 	btScalar addSingleResult(
 		btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int ) override
 	{
-		const btScalar approach = -( first.at( point.getPositionWorldOnA() ) - second.at( point.getPositionWorldOnB() ) )
-									   .dot( point.m_normalWorldOnB );
-		isFound = isFound || ( approach > limit && point.getDistance() <= approach * step );
+		add( point.getPositionWorldOnA(), point.getPositionWorldOnB(), point.m_normalWorldOnB, point.getDistance() );
 		return 0;
 	}
 };
 
-/// Tests a body's hulls against another object; of a deformable body against its spheres: what is drawn of it, as cracks are, must not
-/// decide on the motion.
-void testContact( btCollisionWorld& world, SoftBody& body, btCollisionObject& other, btCollisionWorld::ContactResultCallback& contact )
+/// Whether a sphere may meet a hull within the step, by the hull's own box. `sweep`: the sphere's relative to it, m.
+bool mayMeet( const Obstacle& hull, const MovingSphere& sphere, const Vec3d& sweep )
 {
-	const SoftBody* const soft = asSoftBody( &other );
-	if ( !soft || soft->impl().rigidProxy )
-	{
-		world.contactPairTest( &body, &other, contact );
-		return;
-	}
-	btCollisionObject spheres;
-	soft->impl().shape->freshen( nullptr );
-	spheres.setCollisionShape( soft->impl().shape.get() );
-	spheres.setWorldTransform( other.getWorldTransform() );
-	world.contactPairTest( &body, &spheres, contact );
+	btVector3 low, high;
+	hull.shape->getAabb( btTransform::getIdentity(), low, high );
+	const Vec3d from = hull.toLocal( sphere.centre ), to = hull.toLocal( sphere.centre + sweep );
+	const Vec3d outside = ( toVec3d( low ) - from.cwiseMax( to ) ).cwiseMax( from.cwiseMin( to ) - toVec3d( high ) );
+	return outside.maxCoeff() <= sphere.touchDistance();
+}
+
+/// The hulls of a body against the spheres of a deformable one that they may reach: what is drawn of it, as cracks are, must not decide on
+/// the motion. `reach`: how far the two may move within the step, m; `least`: the approach that matters, m/s.
+void addSphereContacts( const SoftBody& body, const SoftBody& soft, btScalar reach, btScalar least, FastestContact& contact )
+{
+	const NodeState& nodes = soft.impl().body->nodes();
+	const NodeShape& shape = *soft.impl().shape;
+	btVector3 low, high;
+	body.getCollisionShape()->getAabb( body.getWorldTransform(), low, high );
+	const btScalar around = reach + btScalar( shape.largestRadius() );
+	const btVector3 margin( around, around, around ), at = soft.getWorldTransform().getOrigin();
+	const btVector3 origin = soft.impl().worldOrigin();
+	Obstacle hulls;
+	hulls.shape = body.getCollisionShape();
+	hulls.basis = toMatrix3d( body.getWorldTransform().getBasis() );
+	hulls.position = toVec3d( body.getWorldTransform().getOrigin() ) - nodes.origin;
+	shape.rows().visitOverlaps( SphereRows::Box::of( low - margin - at, high + margin - at ), [&]( int node ) {
+		MovingSphere sphere;
+		sphere.centre = nodes.x.get( node ).cast<double>();
+		sphere.shape = shape.sphereOfNode( node );
+		sphere.radius = double( sphere.shape->getRadius() );
+		const btVector3 place = origin + toBt( sphere.centre ), approach = contact.first.at( place ) - contact.second.at( place );
+		if ( contact.most > least || approach.length2() <= least * least )
+		{
+			return;
+		}
+		const Vec3d sweep = toVec3d( -contact.step * approach );
+		visitParts( hulls, [&]( const Obstacle& hull ) {
+			Touch touch;
+			if ( mayMeet( hull, sphere, sweep ) && findNearest( hull, sphere, touch ) )
+			{
+				const btVector3 onHull = origin + toBt( Vec3d( sphere.centre - touch.distance * touch.normal ) );
+				const btVector3 onSphere = origin + toBt( Vec3d( sphere.centre - sphere.radius * touch.normal ) );
+				contact.add( onHull, onSphere, -toBt( touch.normal ), btScalar( touch.distance - sphere.radius ) );
+			}
+		} );
+	} );
 }
 
 struct Overlaps : btBroadphaseAabbCallback
@@ -154,29 +190,38 @@ private:
 
 void SoftBodySystem::forecastImpact( SoftBody& body, btCollisionObject& other, const ForecastMotions& motions, btScalar h )
 {
-	if ( body.impl().mustDeform || !mayTouch( body, other ) )
+	SoftBody* const soft = asSoftBody( &other );
+	SoftBody* const rigid = soft && soft->impl().rigidProxy ? soft : nullptr;
+	bool &deforms = body.impl().mustDeform, none = true, &otherDeforms = rigid ? rigid->impl().mustDeform : none;
+	if ( ( deforms && otherDeforms ) || !mayTouch( body, other ) )
 	{
 		return;
 	}
 	const ForecastMotion &own = motions.of( body ), &others = motions.of( other );
 	const btScalar limit = btScalar( largestApproach( *body.impl().body, double( massOf( other ) ) ) );
-	const btScalar turn = fastestTurn( body, own ) + fastestTurn( other, others );
+	const btScalar otherLimit = rigid ? btScalar( largestApproach( *rigid->impl().body, double( massOf( body ) ) ) ) : limit;
+	const btScalar least = deforms ? otherLimit : otherDeforms ? limit : btMin( limit, otherLimit );
 	const btVector3 approach = own.velocity - others.velocity;
-	const btScalar bound = approach.length() + turn;
-	if ( bound <= limit || !comeNear( body, other, approach * h, turn * h ) )
+	const btScalar turn = fastestTurn( body, own ) + fastestTurn( other, others ), bound = approach.length() + turn;
+	if ( bound <= least || !comeNear( body, other, approach * h, turn * h ) )
 	{
 		return;
 	}
-	FastContact contact( own, others, h, limit );
+	FastestContact contact( own, others, h );
 	contact.m_closestDistanceThreshold = bound * h;
-	testContact( m_world, body, other, contact );
-	if ( contact.isFound )
+	if ( soft && !rigid )
 	{
-		body.impl().mustDeform = true;
+		addSphereContacts( body, *soft, bound * h, least, contact );
 	}
+	else
+	{
+		m_world.contactPairTest( &body, &other, contact );
+	}
+	deforms = deforms || contact.most > limit;
+	otherDeforms = otherDeforms || contact.most > otherLimit;
 }
 
-// From each fast object, to what it may meet: both may be in their rigid state.
+// From each fast object, to what it may meet that is no faster: both may be in their rigid state.
 void SoftBodySystem::forecastImpacts( btScalar h )
 {
 	double slowest = SIMD_INFINITY;
@@ -191,20 +236,25 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 	}
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
 	const ForecastMotions motions( objects );
+	const double least = 0.5 * slowest; // of two objects one is faster, or they do not matter
+	const auto speedOf = [&]( const btCollisionObject& object ) {
+		const bool moves = object.isActive() && !object.isStaticObject() && object.getBroadphaseHandle();
+		return moves ? fastest( object, motions.of( object ) ) : btScalar( 0 );
+	};
+	std::vector<btScalar> speeds;
+	for ( int i = 0; i < objects.size(); ++i )
+	{
+		speeds.push_back( speedOf( *objects[i] ) );
+	}
 	Overlaps overlaps;
 	for ( int i = 0; i < objects.size(); ++i )
 	{
+		const btScalar speed = speeds[std::size_t( i )];
+		if ( double( speed ) <= least )
+		{
+			continue;
+		}
 		btCollisionObject& object = *objects[i];
-		if ( !object.isActive() || object.isStaticObject() || !object.getBroadphaseHandle() )
-		{
-			continue;
-		}
-		const ForecastMotion& motion = motions.of( object );
-		const btScalar speed = fastest( object, motion );
-		if ( double( speed ) <= 0.5 * slowest ) // the other object is no faster, or it is tested itself
-		{
-			continue;
-		}
 		btVector3 low, high;
 		object.getCollisionShape()->getAabb( object.getWorldTransform(), low, high );
 		const btVector3 reach( speed * h, speed * h, speed * h );
@@ -213,12 +263,18 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 		SoftBody* const soft = asSoftBody( &object );
 		for ( btCollisionObject* other : overlaps.found )
 		{
+			const int k = other->getWorldArrayIndex();
+			const btScalar otherSpeed = speeds[std::size_t( k )];
 			SoftBody* const otherSoft = asSoftBody( other );
-			if ( other != &object && soft && soft->impl().rigidProxy )
+			if ( other == &object || otherSpeed > speed || ( otherSpeed == speed && k < i ) )
+			{
+				continue; // it is tested from the other one
+			}
+			if ( soft && soft->impl().rigidProxy )
 			{
 				forecastImpact( *soft, *other, motions, h );
 			}
-			if ( other != &object && otherSoft && otherSoft->impl().rigidProxy )
+			else if ( otherSoft && otherSoft->impl().rigidProxy )
 			{
 				forecastImpact( *otherSoft, object, motions, h );
 			}

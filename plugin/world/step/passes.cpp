@@ -17,24 +17,50 @@ namespace {
 /// Passes the pairs of one pass to the dispatcher's near callback, the game's or Bullet's own.
 struct PassPairs : btOverlapCallback
 {
-	PassPairs( btCollisionDispatcher& target, const btDispatcherInfo& dispatchInfo, const SoftBodySystem& system ) :
-		dispatcher( target ), info( dispatchInfo ), bodies( system )
+	PassPairs( btCollisionDispatcher& target, const btDispatcherInfo& dispatchInfo, const SoftBodySystem& system, bool later ) :
+		dispatcher( target ), info( dispatchInfo ), bodies( system ), isLater( later )
 	{}
 
 	bool processOverlap( btBroadphasePair& pair ) override
 	{
 		const auto& a = *static_cast<const btCollisionObject*>( pair.m_pProxy0->m_clientObject );
 		const auto& b = *static_cast<const btCollisionObject*>( pair.m_pProxy1->m_clientObject );
-		if ( bodies.isPairInPass( a, b ) )
+		if ( bodies.isPairInPass( a, b ) && !( isLater && refresh( pair, a, b ) ) )
 		{
 			dispatcher.getNearCallback()( pair, dispatcher, info );
 		}
 		return false;
 	}
 
+	/// Contacts between hulls, and with rigid objects, are found once a game step as where nothing takes substeps; their points follow.
+	bool refresh( btBroadphasePair& pair, const btCollisionObject& a, const btCollisionObject& b )
+	{
+		if ( !pair.m_algorithm || !areRigid( a, b ) )
+		{
+			return false;
+		}
+		manifolds.resizeNoInitialize( 0 );
+		pair.m_algorithm->getAllContactManifolds( manifolds );
+		for ( int k = 0; k < manifolds.size(); ++k )
+		{
+			btPersistentManifold& manifold = *manifolds[k];
+			manifold.refreshContactPoints( manifold.getBody0()->getWorldTransform(), manifold.getBody1()->getWorldTransform() );
+		}
+		return true;
+	}
+
+	/// Whether one is a soft body in its rigid state, and the other one too or a rigid object.
+	static bool areRigid( const btCollisionObject& a, const btCollisionObject& b )
+	{
+		const SoftBody *const first = SoftBody::upcast( &a ), *const second = SoftBody::upcast( &b );
+		return ( first || second ) && ( !first || first->isRigid() ) && ( !second || second->isRigid() );
+	}
+
 	btCollisionDispatcher& dispatcher;
 	const btDispatcherInfo& info;
 	const SoftBodySystem& bodies;
+	bool isLater; ///< not the first substep of the game step
+	btManifoldArray manifolds;
 };
 
 bool isDynamic( const btCollisionObject& object )
@@ -176,7 +202,7 @@ void WorldStep::updateBoxes()
 void WorldStep::detectPass()
 {
 	updateBoxes();
-	PassPairs pairs( *static_cast<btCollisionDispatcher*>( m_parts.dispatcher ), m_parts.world.getDispatchInfo(), bodies );
+	PassPairs pairs( *static_cast<btCollisionDispatcher*>( m_parts.dispatcher ), m_parts.world.getDispatchInfo(), bodies, m_substep > 0 );
 	m_parts.world.getBroadphase()->getOverlappingPairCache()->processAllOverlappingPairs(
 		&pairs, m_parts.dispatcher, m_parts.world.getDispatchInfo() );
 }

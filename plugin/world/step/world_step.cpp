@@ -259,7 +259,9 @@ void WorldStep::detect()
 		return;
 	}
 	Stopwatch watch( bodies.report.collision );
-	if ( bodies.group.isSplit() )
+	const auto isRigid = []( const SoftBody* body ) { return body->isRigid(); };
+	const bool isLater = m_substep > 0 && std::any_of( bodies.bodies().begin(), bodies.bodies().end(), isRigid );
+	if ( bodies.group.isSplit() || isLater )
 	{
 		detectPass();
 		bodies.pairScratch.processPostponed();

@@ -226,6 +226,16 @@ bool findConvexTouch( const MovingSphere& sphere, Touch& touch, const Find& find
 	return sweep( sphere, touch, find );
 }
 
+/// Whether a sphere stays clear of a hull's own box, which is tight where the hull is thin, by more than rounding: then GJK need not look.
+bool isClearOfBox( const Obstacle& obstacle, const MovingSphere& sphere )
+{
+	btVector3 low, high;
+	obstacle.shape->getAabb( btTransform::getIdentity(), low, high );
+	const Vec3d p = obstacle.toLocal( sphere.centre );
+	const Vec3d outside = ( toEigen( low ) - p ).cwiseMax( p - toEigen( high ) );
+	return outside.maxCoeff() > sphere.touchDistance() + sphere.displacement.norm() + double( kContactSlop ) * sphere.radius;
+}
+
 } // namespace
 
 btTransform Obstacle::transform() const
@@ -243,6 +253,10 @@ bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& tou
 	if ( !obstacle.shape->isConvex() )
 	{
 		return find( sphere, touch ) && sphere.reaches( touch.normal, touch.distance );
+	}
+	if ( obstacle.shape->getShapeType() == CONVEX_HULL_SHAPE_PROXYTYPE && isClearOfBox( obstacle, sphere ) )
+	{
+		return false;
 	}
 	return findConvexTouch( sphere, touch, find );
 }
