@@ -132,7 +132,7 @@ btScalar deepestSeen( const btContactSolverInfo& info )
 bool SoftBodySystem::canBeRigid( const SoftBody& body ) const
 {
 	const SoftBody::Impl& impl = body.impl();
-	return body.material().rigidStrain > 0.0f && arePinsStill( impl ) && !impl.self && !impl.hasNodeForces && impl.newCuts.empty() &&
+	return body.material().rigidStrain > 0.0f && arePinsStill( body ) && !impl.self && !impl.hasNodeForces && impl.newCuts.empty() &&
 		!body.isStaticOrKinematicObject() && impl.isHealthy && !impl.body->hasBrokenLinks() && !impl.follower &&
 		( !impl.forces || impl.forces->gas.law == GasLaw::None ) && ( attachments.isEmpty() || !attachments.contain( body ) ) &&
 		std::none_of( frames.all().begin(), frames.all().end(), [&body]( const Frame& frame ) { return frame.body == &body; } );
@@ -170,7 +170,7 @@ void SoftBodySystem::deformLoaded( btScalar gameStep )
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		if ( impl.rigidProxy && ( impl.mustDeform || !canBeRigid( *body ) || hasOtherLoad( impl, gravityOf( *body ) ) ) )
+		if ( impl.rigidProxy && ( impl.mustDeform || !canBeRigid( *body ) || hasOtherLoad( *body, gravityOf( *body ) ) ) )
 		{
 			deform( *body );
 			removeContacts( *body );
@@ -212,7 +212,7 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 		if ( canBeRigid( *body ) && impl.body->canBecomeRigid( restTime > kBentRest ) )
 		{
 			const double load = loadOn( *body );
-			impl.rigidLoad = RigidLoad{ 0.0, load, impl.pins.empty() ? load : -1.0, pullOn( impl, gravityOf( *body ) ) };
+			impl.rigidLoad = RigidLoad{ 0.0, load, impl.pins.empty() ? load : -1.0, pullOn( *body, gravityOf( *body ) ) };
 			impl.becomeRigid( *body );
 			removeContacts( *body );
 		}

@@ -1,6 +1,7 @@
 #include "world/rigid/rigid_load.h"
 
 #include "body/rigid_state.h"
+#include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 
 #include <algorithm>
@@ -59,8 +60,9 @@ double impulseOf( const btPersistentManifold& manifold )
 	return impulse;
 }
 
-Vec3d pullOn( const SoftBody::Impl& impl, const btVector3& gravity )
+Vec3d pullOn( const SoftBody& body, const btVector3& gravity )
 {
+	const SoftBody::Impl& impl = body.impl();
 	const Vec3Array& fields = impl.body->fieldForce();
 	Vec3d force = toVec3d( impl.centralForce );
 	for ( int i = 0; i < impl.body->nodeCount() && !fields.x.empty(); ++i )
@@ -70,21 +72,23 @@ Vec3d pullOn( const SoftBody::Impl& impl, const btVector3& gravity )
 	return toVec3d( gravity ) + force / impl.mass;
 }
 
-bool hasOtherLoad( const SoftBody::Impl& impl, const btVector3& gravity )
+bool hasOtherLoad( const SoftBody& body, const btVector3& gravity )
 {
+	const SoftBody::Impl& impl = body.impl();
 	const RigidState& state = *impl.body->rigidState();
 	const RigidLoad& load = impl.rigidLoad;
 	if ( state.isHeld )
 	{
-		return hasOtherLoadOnHeld( impl, pullOn( impl, gravity ) );
+		return hasOtherLoadOnHeld( impl, pullOn( body, gravity ) );
 	}
 	const double weight = state.mass * double( gravity.length() ); // a load on what is bent too
 	const bool isUnloaded = state.isBent && load.now - weight < kBentLoad * ( load.first - weight );
 	return isUnloaded || load.now > std::max( kRigidLoad * load.first, largestLoad( *impl.body ) );
 }
 
-bool arePinsStill( const SoftBody::Impl& impl )
+bool arePinsStill( const SoftBody& body )
 {
+	const SoftBody::Impl& impl = body.impl();
 	return std::none_of( impl.pins.begin(), impl.pins.end(), [&impl]( const Pin& pin ) {
 		if ( pin.kind != PinKind::FollowsBody )
 		{
