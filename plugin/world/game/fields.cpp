@@ -104,7 +104,7 @@ btVector3 ForceField::volumeForce( const VolumePoint& ) const
 
 void ForceField::wake()
 {
-	if ( m_owner && !m_owner->areActing )
+	if ( m_owner && !m_owner->areActing() )
 	{
 		m_owner->wake( *this );
 	}

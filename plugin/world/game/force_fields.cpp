@@ -50,7 +50,7 @@ void ForceFields::leave( ForceField& field )
 void ForceFields::wake( const ForceField& field )
 {
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
-	areActing = true;
+	const Acting acting( *this );
 	for ( int k = 0; k < objects.size(); ++k )
 	{
 		btCollisionObject& object = *objects[k];
@@ -60,7 +60,6 @@ void ForceFields::wake( const ForceField& field )
 			object.activate();
 		}
 	}
-	areActing = false;
 }
 
 void ForceFields::forget( const btRigidBody& body )
@@ -94,7 +93,7 @@ void ForceFields::pushRigid()
 	}
 	m_given.clear();
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
-	areActing = !m_fields.empty();
+	const Acting acting( *this );
 	for ( int k = 0; k < objects.size() && !m_fields.empty(); ++k )
 	{
 		btRigidBody* const body = btRigidBody::upcast( objects[k] );
@@ -109,7 +108,6 @@ void ForceFields::pushRigid()
 			m_given.push_back( Given{ body, force } );
 		}
 	}
-	areActing = false;
 }
 
 void ForceFields::push( SoftBody& body, const btVector3& gravity, double h ) const

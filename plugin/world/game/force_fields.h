@@ -68,8 +68,20 @@ public:
 	/// The same for a field that is being destroyed: its `actsOn` cannot be called any more.
 	void leave( ForceField& field );
 	int count() const { return int( m_fields.size() ); }
-	/// While fields are called. What they call of the library may ask, but change nothing: several threads run over the bodies then.
-	bool areActing = false;
+	/// Whether fields are being called. Their calls of the library may read, but change nothing: several threads work on the bodies then.
+	bool areActing() const { return m_areActing; }
+	/// Create one for as long as fields are called.
+	class Acting
+	{
+	public:
+		explicit Acting( ForceFields& fields ) : m_fields( fields ) { m_fields.m_areActing = true; }
+		~Acting() { m_fields.m_areActing = false; }
+		Acting( const Acting& ) = delete;
+		Acting& operator=( const Acting& ) = delete;
+
+	private:
+		ForceFields& m_fields;
+	};
 	void wake( const ForceField& field );
 
 	/// Sets the nodes' field forces for a substep of length h, s; nothing and no cost where there are neither fields nor gas. Thread-safe
@@ -97,6 +109,7 @@ private:
 	btDynamicsWorld& m_world;
 	std::vector<ForceField*> m_fields;
 	std::vector<Given> m_given; ///< since forces were last cleared
+	bool m_areActing = false;
 };
 
 } // namespace pliant

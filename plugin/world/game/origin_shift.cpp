@@ -260,7 +260,7 @@ const std::vector<ContactEvent>& SoftBodyHost::contactEvents() const
 
 Status SoftBodyHost::addForceField( ForceField& field )
 {
-	if ( m_step->bodies.fields.areActing )
+	if ( m_step->bodies.fields.areActing() )
 	{
 		return refused( "addForceField", kInField );
 	}
@@ -270,7 +270,7 @@ Status SoftBodyHost::addForceField( ForceField& field )
 
 bool SoftBodyHost::removeForceField( ForceField& field )
 {
-	return !m_step->bodies.fields.areActing && m_step->bodies.fields.remove( field );
+	return !m_step->bodies.fields.areActing() && m_step->bodies.fields.remove( field );
 }
 
 int SoftBodyHost::forceFieldCount() const

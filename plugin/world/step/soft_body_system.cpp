@@ -220,7 +220,7 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 	pressFrames( true );
 	{
 		Stopwatch watch( report.matching );
-		fields.areActing = fields.count() > 0;
+		const ForceFields::Acting acting( fields );
 		forAwake( [&]( SoftBody& body, TaskRunner* within ) {
 			SoftBody::Impl& impl = body.impl();
 			impl.isImplicit = stepsImplicitly( body );
@@ -232,7 +232,6 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 			}
 			impl.body->accelerateTowardGoals( float( h ), impl.plan.alpha, within );
 		} );
-		fields.areActing = false;
 	}
 	{
 		// After matching, which uses the positions and velocities of the last substep: damping must not reduce this substep's forces.

@@ -87,7 +87,7 @@ public:
 	/// of its objects, and tasks may be running.
 	bool areStagesRunning = false;
 	/// The same, or outside of a step while force fields are called.
-	bool isBusy() const { return areStagesRunning || fields.areActing; }
+	bool isBusy() const { return areStagesRunning || fields.areActing(); }
 	/// Call when the game changes data of a body's implicit equations. In the middle of a step the body moves freely for the rest of the
 	/// pass, because the equations are the previous ones.
 	void equationsChanged( SoftBody& body ) const;
