@@ -178,8 +178,9 @@ public:
 	// --- rigid while stiff (Material::rigidStrain) -----------------------------------------------------------------------
 	/// Null while the body deforms.
 	const RigidState* rigidState() const { return m_rigid.get(); }
-	/// Whether its strains and vibrations are below `largestInvisibleStrain`, and nothing else prevents the rigid state: pinned nodes,
-	/// several parts, plastic flow, broken links. A body that has been at rest for a while may be strained by more in some parts.
+	/// Whether its strains and vibrations are below `largestInvisibleStrain`, and nothing else prevents the rigid state: several parts,
+	/// plastic flow, broken links, pinned nodes that leave it a rotation. A body that has been at rest for a while may be strained by more
+	/// in some parts; one with pinned nodes has to be at rest.
 	bool canBecomeRigid( bool isAtRest ) const;
 	/// From now on nodes keep their positions relative to each other; momentum and spin stay as they are, vibrations end.
 	void becomeRigid();

@@ -111,7 +111,7 @@ inline constexpr double kRollingInertia = 0.1;
 inline constexpr double kSleepFraction = 0.03;
 /// ... or below that of a fall over kContactSlop, while no node moves by more than this many radii: a body pressed to and fro at rest.
 inline constexpr double kRestDisplacement = 0.1;
-/// The same for pinned bodies that may be rigid, which swing in place for long, at any velocity.
+/// The same for pinned bodies that may be rigid, at any velocity: they swing in place for a long time.
 inline constexpr double kHeldDisplacement = 0.5;
 
 /// A body in its rigid state may sleep if its angular velocity is below Bullet's threshold, or if its farthest point is slower than this,
@@ -123,8 +123,8 @@ inline constexpr double kLeastBounce = 0.5;
 /// Resolution of the bisection for the fraction of a bounce that adds no energy.
 inline constexpr double kLeastBounceStep = 1e-4;
 
-/// Impulses of a bounce are raised at most by this fraction for the body behind the nodes that touch, and by what gives back this share of
-/// the energy that the contacts take.
+/// Impulses of a bounce are raised for the body behind the contacts' nodes by at most this fraction, and at most so far that they return
+/// this share of the energy that the contacts absorb.
 inline constexpr double kMostBounceRaise = 0.25;
 inline constexpr double kBounceShare = 0.5;
 
@@ -254,10 +254,10 @@ inline constexpr double kLockedLinkMobility = 1e-3;
 
 /// The same for a rigid body on Bullet's joints, which may be a hundred times lighter than what is attached to it.
 inline constexpr double kLockedJointMobility = 1e-4;
-/// Most rigid bodies that joints join to one that something is attached to: their mobility is a dense matrix. Larger groups count as bodies
-/// without joints.
+/// Largest number of rigid bodies that joints connect with one that has an attachment: their mobility is a dense matrix. The bodies of
+/// larger groups count as bodies without joints.
 inline constexpr std::size_t kMostJoined = 32;
-/// Relative regularisation of the joints' equations: hinges on both sides of a door say the same twice.
+/// Relative regularisation of the joints' equations, which are redundant for two hinges of one door.
 inline constexpr double kJointRounding = 1e-6;
 
 // --- Bodies in their rigid state (Material::rigidStrain) ---
@@ -276,8 +276,8 @@ inline constexpr btScalar kLastingContact = btScalar( 0.5 ), kLongestLasting = b
 inline constexpr btScalar kContactArea = btScalar( 0.5 );
 /// A body that touches something rotates by at most this angle in a step, rad: an eighth of a turn, as for Bullet's rigid bodies.
 inline constexpr btScalar kFarthestTurn = btScalar( 0.785 );
-/// A body that has just become rigid is turned so far to find its contacts that its farthest corner moves by this fraction of the distance
-/// at which contacts end.
+/// A body that has just become rigid is rotated to find its contacts by an angle at which its farthest corner moves by this fraction of the
+/// distance at which contacts end.
 inline constexpr btScalar kFirstContactTurn = btScalar( 0.5 );
 /// Game steps: until a new body is tested for its rigid state, between two tests, and for which a body deforms at least.
 inline constexpr int kRigidStart = 2, kRigidRetry = 3, kRigidPause = 6;
@@ -290,9 +290,10 @@ inline constexpr btScalar kRigidParting = btScalar( 0.3 ), kLeastCorrection = bt
 inline constexpr double kRigidLoad = 2.0;
 /// One that was bent then, under less than this fraction of it.
 inline constexpr double kBentLoad = 0.25;
-/// Impacts on pinned bodies in their rigid state are looked for from this velocity on, m/s: the least that matters depends on the mass.
+/// Velocity from which impacts on pinned bodies in their rigid state are searched, m/s: the smallest one that strains them depends on the
+/// mass.
 inline constexpr double kHeldForecast = 0.05;
-/// A pin that follows a body is still where its node is this near to its place, m: the rounding of positions.
+/// A pin that follows a body has not moved if its node is within this distance of it, m: the rounding of positions.
 inline constexpr btScalar kStillPin = btScalar( 1e-4 );
 
 // --- Attachments ---

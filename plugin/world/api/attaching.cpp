@@ -180,7 +180,7 @@ SoftBody* SoftBodyHost::frameOwner( const btRigidBody* frame ) const
 bool SoftBodyHost::detach( int id )
 {
 	const Attachment* const attachment = m_step->bodies.attachments.find( id );
-	if ( !attachment || m_step->bodies.fields.areActing )
+	if ( !attachment || m_step->bodies.fields.areActing() )
 	{
 		return false;
 	}

@@ -33,7 +33,7 @@ void SoftBodyHost::addSoftBody( SoftBody* body, int group, int mask )
 
 void SoftBodyHost::removeSoftBody( SoftBody* body )
 {
-	if ( body && !m_step->bodies.fields.areActing )
+	if ( body && !m_step->bodies.fields.areActing() )
 	{
 		m_step->world().removeCollisionObject( body );
 	}
@@ -119,7 +119,7 @@ int SoftBodyHost::fragmentCount() const
 
 bool SoftBodyHost::releaseFragment( SoftBody* fragment )
 {
-	return fragment && !m_step->bodies.fields.areActing && m_step->bodies.release( *fragment );
+	return fragment && !m_step->bodies.fields.areActing() && m_step->bodies.release( *fragment );
 }
 
 DebrisBudget SoftBodyHost::debrisBudget() const

@@ -1,7 +1,6 @@
 // Calls of the game on a body: velocities, forces, impulses, gravity, positions. Each is refused if a number is bad, and then changes
 // nothing.
 
-#include "body/rigid_state.h"
 #include "matching/constants.h"
 #include "world/bodies/placing.h"
 #include "world/constants.h"
@@ -41,7 +40,7 @@ bool isTooFast( const Vec3& velocity )
 
 bool SoftBody::Impl::isInField() const
 {
-	return system && system->fields.areActing;
+	return system && system->fields.areActing();
 }
 
 Status SoftBody::Impl::checkTime( const char* call ) const
@@ -79,7 +78,7 @@ Status checkTransform( const btTransform& transform, const char* call )
 void SoftBody::Impl::followVelocities()
 {
 	body->followVelocities();
-	mustDeform = mustDeform || ( rigidProxy && body->rigidState()->isHeld );
+	mustDeform = mustDeform || ( rigidProxy && rigidProxy->isHeld() );
 }
 
 Status SoftBody::setLinearVelocity( const btVector3& velocity )

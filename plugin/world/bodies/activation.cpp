@@ -92,7 +92,7 @@ bool isAtRest( SoftBody::Impl& impl, double gravity )
 		const double turn = std::max( double( impl.rigidProxy->getAngularSleepingThreshold() ), kSleepTurn / double( radius ) );
 		return motion.velocity.norm() < double( impl.rigidProxy->getLinearSleepingThreshold() ) && motion.angularVelocity.norm() < turn;
 	}
-	const bool isHeld = !impl.pins.empty() && impl.body->material().rigidStrain > 0.0f; // what is pinned does not drift
+	const bool isHeld = !impl.pins.empty() && impl.body->material().rigidStrain > 0.0f; // a pinned body does not drift
 	const double radius = double( impl.shape->smallestRadius() );
 	const double displacement = ( isHeld ? kHeldDisplacement : kRestDisplacement ) * radius;
 	const double fallSquare = 2.0 * gravity * radius, square = largestMeanSquareSpeed( impl );

@@ -27,7 +27,7 @@ inline Status refused( const char* call, const std::string& why )
 	return Status{ ResultCode::BadArgument, std::string( call ) + ": " + why };
 }
 
-/// Why a call out of a force field is refused.
+/// The sentence of a refused call from a force field.
 inline constexpr const char* kInField = "force fields are being called, which may ask the world but not change it.";
 
 /// Returns ok for a rotation and a translation to a position that Bullet can represent.

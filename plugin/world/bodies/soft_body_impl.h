@@ -190,8 +190,8 @@ struct SoftBody::Impl
 	std::unique_ptr<RigidProxy> rigidProxy; ///< null while the body deforms
 	RigidLoad rigidLoad;
 	bool mustDeform = false; ///< from the next step on; ignored without a rigid proxy
-	int rigidWait =
-		kRigidStart; ///< game steps until it is tested for its rigid state; in that state above 0 until its first contacts are found
+	/// Game steps until the body is tested for its rigid state. In that state: above 0 until its first contacts are found.
+	int rigidWait = kRigidStart;
 
 	std::vector<Vec3d> heldBefore; ///< node positions of a static or kinematic body at the last game step, world, m
 
@@ -270,7 +270,7 @@ struct SoftBody::Impl
 	/// Returns true if contacts use patches of the drawn surface. The block solver solves them, since Bullet's has no contacts that are
 	/// shared by several nodes; a body that steps explicitly takes part with its masses alone.
 	bool isMetAsDrawn() const { return !body->lattice().patch.empty() && hasFeature( Feature::Implicit ) && surfaceNow().hasPatches(); }
-	/// Whether a force field of its world is being called, which may not change the body; checkTime: the same as a refusal.
+	/// Whether a force field of its world is being called, which may not change the body. `checkTime` returns a refusal then.
 	bool isInField() const;
 	Status checkTime( const char* call ) const;
 	bool hasNode( int node ) const { return node >= 0 && node < body->nodeCount(); }
@@ -281,7 +281,7 @@ struct SoftBody::Impl
 	/// Moves the object's transform and the spheres to the nodes and records their velocities; the bounds in Bullet must then be updated.
 	void placeSpheres( btCollisionObject& object, const MotionSums& motion, TaskRunner* runner = nullptr );
 	void placeShape( btCollisionObject& object );
-	/// After nodes got velocities: a body in its rigid state takes their motion, or deforms where pins hold it.
+	/// Call after nodes received velocities: a body in its rigid state takes their motion, and a held one deforms.
 	void followVelocities();
 	/// Moves the object's transform to that of the rigid state.
 	void placeRigid( SoftBody& owner );

@@ -143,7 +143,7 @@ void ImplicitBlock::chooseStiffness()
 		for ( const ContactSide& side : contact.side )
 		{
 			const RigidPart* const part = side.rigid < 0 ? nullptr : &rigid[std::size_t( side.rigid )];
-			// What joints hold resists with more than its mass.
+			// A body on joints resists with more than its mass.
 			const bool isJointed = part && part->linked >= 0 && linked[std::size_t( part->linked )].joints;
 			least = ( hasNode && !contact.isDrawn && !contact.isAttachment() ) || !part || isJointed ? least
 																									 : std::min( least, part->mass );

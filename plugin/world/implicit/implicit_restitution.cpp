@@ -144,13 +144,14 @@ void ImplicitBlock::addRigidMotions( const float* momentum, float* velocity ) co
 	}
 }
 
-// The nodes of a contact reach the velocity that restitution demands, but the body behind them is still being compressed, and a step that
-// does not resolve its vibrations damps what it would rebound by afterwards. So where all contacts bounce, their normal impulses P are
-// raised by a fraction s, with which the rigid motions reach the targets b in the mean,
+// At the end of the step the nodes of a contact have the velocity of restitution, but the body behind them is still being compressed. A
+// step that does not resolve its vibrations damps the rebound by that compression. So if all contacts bounce, their normal impulses P are
+// raised by a fraction s with which the rigid motions have the target velocities b in the mean,
 //
 //   sum jn ( n . ( u + s r ) - b ) = 0,   u: velocities of the rigid motions, r: those that P adds to them
 //
-// as far as that gives back at most half of what the contacts take, W = sum P . ( u' + before ) / 2 with the velocities u' of their nodes.
+// but at most so far that half of the energy that the contacts absorb is returned, - sum P . ( u' + before ) / 2 with the velocities u' of
+// their nodes.
 void ImplicitBlock::completeBounce()
 {
 	if ( !mayCompleteBounce() )

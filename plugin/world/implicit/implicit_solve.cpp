@@ -225,7 +225,7 @@ void ImplicitSolve::after()
 		}
 		for ( const LinkedParts& whole : m_blocks[k].linked )
 		{
-			whole.joints ? whole.joints->tellJoints() : void();
+			whole.joints ? whole.joints->reportImpulses() : void();
 		}
 	}
 }

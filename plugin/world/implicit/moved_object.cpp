@@ -268,7 +268,8 @@ void MovedObjects::measureJointed( ImplicitBlock& block, Attachments& attachment
 	}
 }
 
-// From the contacts' impulses: the mass of what joints hold, times the float errors of its velocity, would be none.
+// Computed from the contacts' impulses. From velocities it would be inaccurate: a locked axis has a huge mass, which multiplies the
+// rounding errors of the velocity.
 void MovedObjects::moveJointed( const ImplicitBlock& block )
 {
 	for ( const LinkedParts& whole : block.linked )
@@ -289,7 +290,7 @@ void MovedObjects::moveJointed( const ImplicitBlock& block )
 				}
 			}
 		}
-		whole.joints ? whole.joints->strike( impulses ) : void();
+		whole.joints ? whole.joints->applyImpulses( impulses ) : void();
 	}
 }
 

@@ -38,9 +38,9 @@ public:
 	void measureLinks( ImplicitBlock& block );
 	/// Sets a rigid body's velocity where its axes are free.
 	void move( const RigidPart& part, const Vector6& velocity );
-	/// Adds to ImplicitBlock::linked the rigid bodies that attachments hold and `joints` too.
+	/// Adds the rigid bodies on `joints` that have attachments to ImplicitBlock::linked.
 	void measureJointed( ImplicitBlock& block, Attachments& attachments, const JointGroup::Joints& joints, double erp );
-	/// Gives rigid bodies on joints, and what is joined to them, the velocities that the block's solution has.
+	/// Gives rigid bodies on joints, and the bodies that joints connect with them, the velocities of the block's solution.
 	static void moveJointed( const ImplicitBlock& block );
 	/// Gives multibodies the impulses that the block's solution has for their links.
 	void moveLinks( const ImplicitBlock& block );

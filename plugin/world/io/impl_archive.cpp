@@ -108,7 +108,7 @@ void SoftBody::Impl::archiveState( Archive& archive )
 	archive.owned( forces, [] { return std::make_unique<SurfaceForces>(); } );
 	bool tellsContacts = contactRecords != nullptr;
 	archive( tellsContacts );
-	archive( rigidLoad.impulse, rigidLoad.now, rigidLoad.first, rigidLoad.pull );
+	archive( rigidLoad.impulse, rigidLoad.now, rigidLoad.first, rigidLoad.acceleration );
 	allowance.archive( archive, count );
 	if ( follower )
 	{

@@ -36,7 +36,7 @@ public:
 
 	/// Of the nodes' spheres and the drawn surface beyond them, m.
 	void getAabb( const btTransform& at, btVector3& low, btVector3& high ) const override;
-	void setLocalScaling( const btVector3& ) override {} ///< soft bodies are not scaled
+	void setLocalScaling( const btVector3& ) override {} ///< soft bodies have a scale of their own: SoftBody::setScale
 	const btVector3& getLocalScaling() const override { return m_scaling; }
 	void calculateLocalInertia( btScalar, btVector3& inertia ) const override { inertia.setZero(); }
 	const char* getName() const override { return "PliantSurface"; }

@@ -1,8 +1,10 @@
-// The contacts of a body that has just become rigid. It rests on all nodes that touched until then. Bullet finds one contact of two hulls
-// in a step, over which it would tip until the others are found. So its pairs are detected again with the body turned by small angles about
-// axes across the normal, which adds the corners that nearly touch (btConvexConvexAlgorithm has this too, for whole worlds).
+// The first contacts of a body that has just become rigid. Until then it rested on all nodes that touched something. Bullet finds one
+// contact of two hulls in a step, and the body would tip over it before the others are found. So its pairs are detected several times, with
+// the body rotated by small angles about axes across the normal, which adds the corners that nearly touch. btConvexConvexAlgorithm has the
+// same option, but only for a whole world.
 
 #include "world/bodies/soft_body_impl.h"
+#include "world/detect/pair_contacts.h"
 #include "world/step/soft_body_system.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
@@ -14,8 +16,6 @@
 namespace pliant {
 
 namespace {
-
-constexpr int kMostContacts = 4; // of a manifold
 
 btCollisionObject& objectOf( const btBroadphaseProxy* proxy )
 {
@@ -47,7 +47,7 @@ void completeContacts( const btBroadphasePair& pair, btCollisionObject& turned, 
 	for ( int m = 0; m < manifolds.size(); ++m )
 	{
 		const btPersistentManifold& manifold = *manifolds[m];
-		if ( manifold.getNumContacts() == 0 || manifold.getNumContacts() == kMostContacts )
+		if ( manifold.getNumContacts() == 0 || manifold.getNumContacts() == MANIFOLD_CACHE_SIZE )
 		{
 			continue;
 		}
@@ -62,10 +62,7 @@ void completeContacts( const btBroadphasePair& pair, btCollisionObject& turned, 
 		}
 	}
 	turned.setWorldTransform( unturned );
-	for ( int m = 0; m < manifolds.size(); ++m )
-	{
-		manifolds[m]->refreshContactPoints( manifolds[m]->getBody0()->getWorldTransform(), manifolds[m]->getBody1()->getWorldTransform() );
-	}
+	refreshContacts( manifolds );
 }
 
 } // namespace

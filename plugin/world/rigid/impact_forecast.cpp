@@ -76,7 +76,7 @@ btScalar massOf( const btCollisionObject& object )
 {
 	const SoftBody* const soft = SoftBody::upcast( &object );
 	const btRigidBody* const rigid = btRigidBody::upcast( &object );
-	const bool isHeld = soft && soft->impl().rigidProxy && soft->impl().body->rigidState()->isHeld;
+	const bool isHeld = soft && soft->impl().rigidProxy && soft->impl().rigidProxy->isHeld();
 	const bool isFixed = isHeld || object.isStaticOrKinematicObject() || ( !soft && ( !rigid || rigid->getInvMass() == 0 ) );
 	return isFixed ? btScalar( SIMD_INFINITY ) : soft ? soft->mass() : 1 / rigid->getInvMass();
 }
@@ -104,18 +104,8 @@ struct FastestContact : btCollisionWorld::ContactResultCallback
 	}
 };
 
-/// Whether a sphere may meet a hull within the step, by the hull's own box. `sweep`: the sphere's relative to it, m.
-bool mayMeet( const Obstacle& hull, const MovingSphere& sphere, const Vec3d& sweep )
-{
-	btVector3 low, high;
-	hull.shape->getAabb( btTransform::getIdentity(), low, high );
-	const Vec3d from = hull.toLocal( sphere.centre ), to = hull.toLocal( sphere.centre + sweep );
-	const Vec3d outside = ( toVec3d( low ) - from.cwiseMax( to ) ).cwiseMax( from.cwiseMin( to ) - toVec3d( high ) );
-	return outside.maxCoeff() <= sphere.touchDistance();
-}
-
-/// The hulls of a body against the spheres of a deformable one that they may reach: what is drawn of it, as cracks are, must not decide on
-/// the motion. `reach`: how far the two may move within the step, m; `least`: the approach that matters, m/s.
+/// Adds the contacts of a body's hulls with the spheres of a deformable body that they may reach. Its drawn surface is not used: the motion
+/// must not depend on the drawing. `reach`: largest relative displacement within the step, m; `least`: smallest approach that counts, m/s.
 void addSphereContacts( const SoftBody& body, const SoftBody& soft, btScalar reach, btScalar least, FastestContact& contact )
 {
 	const NodeState& nodes = soft.impl().body->nodes();
@@ -134,7 +124,7 @@ void addSphereContacts( const SoftBody& body, const SoftBody& soft, btScalar rea
 		sphere.centre = nodes.x.get( node ).cast<double>();
 		sphere.shape = shape.sphereOfNode( node );
 		sphere.radius = double( sphere.shape->getRadius() );
-		const btVector3 place = origin + toBt( sphere.centre ), approach = contact.first.at( place ) - contact.second.at( place );
+		const btVector3 centre = origin + toBt( sphere.centre ), approach = contact.first.at( centre ) - contact.second.at( centre );
 		if ( contact.most > least || approach.length2() <= least * least )
 		{
 			return;
@@ -142,7 +132,7 @@ void addSphereContacts( const SoftBody& body, const SoftBody& soft, btScalar rea
 		const Vec3d sweep = toVec3d( -contact.step * approach );
 		visitParts( hulls, [&]( const Obstacle& hull ) {
 			Touch touch;
-			if ( mayMeet( hull, sphere, sweep ) && findNearest( hull, sphere, touch ) )
+			if ( gapToOwnBox( hull, sphere.centre, sphere.centre + sweep ) <= sphere.touchDistance() && findNearest( hull, sphere, touch ) )
 			{
 				const btVector3 onHull = origin + toBt( Vec3d( sphere.centre - touch.distance * touch.normal ) );
 				const btVector3 onSphere = origin + toBt( Vec3d( sphere.centre - sphere.radius * touch.normal ) );
@@ -221,7 +211,7 @@ void SoftBodySystem::forecastImpact( SoftBody& body, btCollisionObject& other, c
 	otherDeforms = otherDeforms || contact.most > otherLimit;
 }
 
-// From each fast object, to what it may meet that is no faster: both may be in their rigid state.
+// From each fast object to the objects in its reach that are not faster: both may be in their rigid state.
 void SoftBodySystem::forecastImpacts( btScalar h )
 {
 	double slowest = SIMD_INFINITY;
@@ -236,7 +226,7 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 	}
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
 	const ForecastMotions motions( objects );
-	const double least = 0.5 * slowest; // of two objects one is faster, or they do not matter
+	const double least = 0.5 * slowest; // the faster of two objects makes at least half of their approach
 	const auto speedOf = [&]( const btCollisionObject& object ) {
 		const bool moves = object.isActive() && !object.isStaticObject() && object.getBroadphaseHandle();
 		return moves ? fastest( object, motions.of( object ) ) : btScalar( 0 );
@@ -268,7 +258,7 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 			SoftBody* const otherSoft = asSoftBody( other );
 			if ( other == &object || otherSpeed > speed || ( otherSpeed == speed && k < i ) )
 			{
-				continue; // it is tested from the other one
+				continue; // tested from the other object
 			}
 			if ( soft && soft->impl().rigidProxy )
 			{

@@ -84,34 +84,13 @@ bool canBrakeSpin( const btPersistentManifold& manifold )
 	return manifold.getNumContacts() > 0 && isKnown( manifold.getBody0() ) && isKnown( manifold.getBody1() );
 }
 
-/// Whether one of the sides can move: what pins hold is as static as what it touches.
+/// Whether one of the sides can move: held bodies are static in the solver.
 bool canPush( const btPersistentManifold& manifold )
 {
-	const auto moves = []( const btCollisionObject* side ) {
-		const SoftBody* const owner = ownerOfRigidProxy( side );
-		return !side->isStaticOrKinematicObject() && !( owner && owner->impl().body->rigidState()->isHeld );
-	};
-	return moves( manifold.getBody0() ) || moves( manifold.getBody1() );
+	return !manifold.getBody0()->isStaticOrKinematicObject() || !manifold.getBody1()->isStaticOrKinematicObject();
 }
 
-/// Visits the contact points of bodies in their rigid state.
-template <class Visit>
-void forRigidContacts( btDispatcher& dispatcher, Visit&& visit )
-{
-	forEachManifold( dispatcher, prefetchEnd, [&visit]( btPersistentManifold& manifold ) {
-		if ( !ownerOfRigidProxy( manifold.getBody0() ) && !ownerOfRigidProxy( manifold.getBody1() ) )
-		{
-			return;
-		}
-		for ( int k = 0; k < manifold.getNumContacts(); ++k )
-		{
-			visit( manifold, manifold.getContactPoint( k ) );
-		}
-	} );
-}
-
-/// Whether a manifold is that of a held body's hulls and a node of another pinned body: as they were when they became neighbours, they
-/// stay.
+/// Whether both bodies of a manifold have pins. They keep the positions at which they became neighbours.
 bool isBetweenPinned( const btPersistentManifold& manifold )
 {
 	const auto isPinned = []( const btCollisionObject* side ) {
@@ -121,10 +100,23 @@ bool isBetweenPinned( const btPersistentManifold& manifold )
 	return isPinned( manifold.getBody0() ) && isPinned( manifold.getBody1() );
 }
 
-/// The deepest penetration that the solver sees, m. It corrects a fraction of it in a step.
-btScalar deepestSeen( const btContactSolverInfo& info )
+/// Calls visit( point, least ) for the contact points of bodies in their rigid state. `least`: the solver sees no distance below this, m,
+/// of which it corrects a fraction in a step.
+template <class Visit>
+void forRigidContacts( btDispatcher& dispatcher, const btContactSolverInfo& info, Visit&& visit )
 {
-	return kRigidParting * info.m_timeStep / btMax( info.m_erp2, kLeastCorrection );
+	const btScalar deepest = kRigidParting * info.m_timeStep / btMax( info.m_erp2, kLeastCorrection );
+	forEachManifold( dispatcher, prefetchEnd, [&visit, deepest]( btPersistentManifold& manifold ) {
+		if ( !ownerOfRigidProxy( manifold.getBody0() ) && !ownerOfRigidProxy( manifold.getBody1() ) )
+		{
+			return;
+		}
+		const btScalar least = isBetweenPinned( manifold ) ? btScalar( 0 ) : -deepest;
+		for ( int k = 0; k < manifold.getNumContacts(); ++k )
+		{
+			visit( manifold.getContactPoint( k ), least );
+		}
+	} );
 }
 
 } // namespace
@@ -170,7 +162,7 @@ void SoftBodySystem::deformLoaded( btScalar gameStep )
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		if ( impl.rigidProxy && ( impl.mustDeform || !canBeRigid( *body ) || hasOtherLoad( *body, gravityOf( *body ) ) ) )
+		if ( impl.rigidProxy && ( impl.mustDeform || !canBeRigid( *body ) || hasLoadChanged( *body, gravityOf( *body ) ) ) )
 		{
 			deform( *body );
 			removeContacts( *body );
@@ -212,7 +204,7 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 		if ( canBeRigid( *body ) && impl.body->canBecomeRigid( restTime > kBentRest ) )
 		{
 			const double load = loadOn( *body );
-			impl.rigidLoad = RigidLoad{ 0.0, load, impl.pins.empty() ? load : -1.0, pullOn( *body, gravityOf( *body ) ) };
+			impl.rigidLoad = RigidLoad{ 0.0, load, impl.pins.empty() ? load : -1.0, accelerationOn( *body, gravityOf( *body ) ) };
 			impl.becomeRigid( *body );
 			removeContacts( *body );
 		}
@@ -222,14 +214,13 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 // v += h ( g + f / m )
 void SoftBodySystem::accelerateRigid( btScalar h )
 {
+	const ForceFields::Acting acting( fields );
 	for ( SoftBody* body : m_rigid )
 	{
 		SoftBody::Impl& impl = body->impl();
 		impl.isImplicit = false;
 		impl.lastSubstep = double( h );
-		fields.areActing = fields.count() > 0;
 		fields.push( *body, gravityOf( *body ), double( h ) );
-		fields.areActing = false;
 		if ( !impl.body->rigidState()->isHeld )
 		{
 			impl.body->applyRigidForces( float( h ), ownAcceleration( *body ).cast<double>() );
@@ -255,10 +246,8 @@ void SoftBodySystem::showRigidProxies( btDispatcher& dispatcher )
 			SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( side ) );
 			return soft ? static_cast<const btCollisionObject*>( soft->impl().rigidProxy.get() ) : nullptr;
 		} );
-		const btScalar deepest = deepestSeen( m_world.getSolverInfo() );
-		forRigidContacts( dispatcher, [deepest]( const btPersistentManifold& manifold, btManifoldPoint& point ) {
-			point.m_distance1 = btMax( point.m_distance1, isBetweenPinned( manifold ) ? btScalar( 0 ) : -deepest );
-		} );
+		forRigidContacts( dispatcher, m_world.getSolverInfo(),
+			[]( btManifoldPoint& point, btScalar least ) { point.m_distance1 = btMax( point.m_distance1, least ); } );
 	}
 }
 
@@ -299,9 +288,8 @@ void SoftBodySystem::hideRigidProxies( btDispatcher& dispatcher )
 	{
 		return;
 	}
-	const btScalar deepest = deepestSeen( m_world.getSolverInfo() );
-	forRigidContacts( dispatcher, [deepest]( const btPersistentManifold& manifold, btManifoldPoint& point ) {
-		if ( point.m_distance1 == ( isBetweenPinned( manifold ) ? btScalar( 0 ) : -deepest ) )
+	forRigidContacts( dispatcher, m_world.getSolverInfo(), []( btManifoldPoint& point, btScalar least ) {
+		if ( point.m_distance1 == least )
 		{
 			point.m_distance1 = ( point.m_positionWorldOnA - point.m_positionWorldOnB ).dot( point.m_normalWorldOnB );
 		}

@@ -24,8 +24,8 @@ Vec3d edgesOf( const RigidState& state, double cell )
 	return edges;
 }
 
-/// The load that strains a body of this size by as much as must not be seen, N: E e V^( 2 / 3 ). One that is pinned bends: as a beam of
-/// length a that is held at one end, E e b c^2 / ( 6 a ).
+/// Returns the load that strains a body by the visible limit e, N: E e V^( 2 / 3 ). A pinned body bends as a beam of length a, width b and
+/// thickness c that is held at one end: E e b c^2 / ( 6 a ).
 double largestLoad( const Body& body )
 {
 	const double limit = double( body.material().youngsModulus ) * body.largestInvisibleStrain();
@@ -38,12 +38,12 @@ double largestLoad( const Body& body )
 	return limit * std::pow( state.mass / double( body.material().density ), 2.0 / 3.0 );
 }
 
-/// Of a pinned body, whose weight its pins carry.
-bool hasOtherLoadOnHeld( const SoftBody::Impl& impl, const Vec3d& pull )
+/// The same for a pinned body, whose pins carry its weight.
+bool hasLoadOnHeldChanged( const SoftBody::Impl& impl, const Vec3d& acceleration )
 {
 	const RigidState& state = *impl.body->rigidState();
 	const RigidLoad& load = impl.rigidLoad;
-	const double most = largestLoad( *impl.body ), pulled = state.mass * ( pull - load.pull ).norm();
+	const double most = largestLoad( *impl.body ), pulled = state.mass * ( acceleration - load.acceleration ).norm();
 	const double pressed = load.first < 0.0 ? 0.0 : load.now - load.first;
 	return pressed + pulled > most || ( state.isBent && pulled - pressed > std::max( most, ( 1.0 - kBentLoad ) * load.first ) );
 }
@@ -60,7 +60,7 @@ double impulseOf( const btPersistentManifold& manifold )
 	return impulse;
 }
 
-Vec3d pullOn( const SoftBody& body, const btVector3& gravity )
+Vec3d accelerationOn( const SoftBody& body, const btVector3& gravity )
 {
 	const SoftBody::Impl& impl = body.impl();
 	const Vec3Array& fields = impl.body->fieldForce();
@@ -72,16 +72,16 @@ Vec3d pullOn( const SoftBody& body, const btVector3& gravity )
 	return toVec3d( gravity ) + force / impl.mass;
 }
 
-bool hasOtherLoad( const SoftBody& body, const btVector3& gravity )
+bool hasLoadChanged( const SoftBody& body, const btVector3& gravity )
 {
 	const SoftBody::Impl& impl = body.impl();
 	const RigidState& state = *impl.body->rigidState();
 	const RigidLoad& load = impl.rigidLoad;
 	if ( state.isHeld )
 	{
-		return hasOtherLoadOnHeld( impl, pullOn( body, gravity ) );
+		return hasLoadOnHeldChanged( impl, accelerationOn( body, gravity ) );
 	}
-	const double weight = state.mass * double( gravity.length() ); // a load on what is bent too
+	const double weight = state.mass * double( gravity.length() ); // which loads a bent body too
 	const bool isUnloaded = state.isBent && load.now - weight < kBentLoad * ( load.first - weight );
 	return isUnloaded || load.now > std::max( kRigidLoad * load.first, largestLoad( *impl.body ) );
 }
@@ -99,8 +99,8 @@ bool arePinsStill( const SoftBody& body )
 	} );
 }
 
-// A light object's velocity counts less: nothing lighter than a cell strains the body. What meets a pinned body bends it until it has
-// stopped, with the energy E e^2 V / 18 of the beam of `largestLoad`: v = e c sqrt( M / 9 m ).
+// The velocity of a light object counts less: an object much lighter than a cell strains nothing. An object that meets a pinned body bends
+// it until it has stopped. The beam of `largestLoad` then has the energy E e^2 V / 18, so that v = e c sqrt( M / 9 m ).
 double largestApproach( const Body& body, double mass )
 {
 	const double speed = body.largestInvisibleVelocity();

@@ -12,21 +12,21 @@ namespace pliant {
 class Body;
 class SoftBody;
 
-/// The sum of a manifold's normal impulses, N s.
+/// Returns the sum of a manifold's normal impulses, N s.
 double impulseOf( const btPersistentManifold& manifold );
 
-/// Whether contacts, gravity, forces or force fields strain the body by more than `Body::largestInvisibleStrain`, or no longer bend it as
-/// they did when it became rigid. `gravity`: the body's, m/s^2.
-bool hasOtherLoad( const SoftBody& body, const btVector3& gravity );
+/// Whether contacts, gravity, forces and force fields strain the body by more than `Body::largestInvisibleStrain`, or no longer bend it as
+/// when it became rigid. `gravity`: the body's, m/s^2.
+bool hasLoadChanged( const SoftBody& body, const btVector3& gravity );
 
-/// The mean of gravity, central force and force fields, m/s^2.
-Vec3d pullOn( const SoftBody& body, const btVector3& gravity );
+/// Returns the acceleration by gravity, central force and force fields, m/s^2.
+Vec3d accelerationOn( const SoftBody& body, const btVector3& gravity );
 
-/// Whether no pin moves its node: it has no target, or follows what does not move.
+/// Whether no pin moves its node: pins without target, and pins to bodies that are at rest.
 bool arePinsStill( const SoftBody& body );
 
-/// The velocity, m/s, at which an object of this mass may meet a body in its rigid state without straining it visibly. `mass`: kg,
-/// SIMD_INFINITY for what is not moved by the impact.
+/// Returns the velocity, m/s, at which an object of this mass may meet a body in its rigid state without straining it visibly. `mass`: kg,
+/// SIMD_INFINITY for objects that the impact does not move.
 double largestApproach( const Body& body, double mass );
 
 } // namespace pliant

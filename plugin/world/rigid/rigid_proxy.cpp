@@ -10,7 +10,7 @@ namespace {
 
 const char kRigidProxyMark = 0;
 
-/// Mass and moments in the solver: 0, as of a static body, where pins hold it.
+/// Mass and moments in the solver: 0, as for static bodies, if pins hold the body.
 btRigidBody::btRigidBodyConstructionInfo solverBody( const RigidState& state, btCollisionShape& shape )
 {
 	const bool isFree = !state.isHeld;
@@ -28,6 +28,11 @@ RigidProxy::RigidProxy( SoftBody& owner, std::unique_ptr<RigidShape> hulls ) :
 	follow();
 }
 
+bool RigidProxy::isHeld() const
+{
+	return m_owner.impl().body->rigidState()->isHeld;
+}
+
 void RigidProxy::follow()
 {
 	const RigidMotion& motion = m_owner.impl().body->rigidState()->motion;
@@ -36,8 +41,7 @@ void RigidProxy::follow()
 	updateInertiaTensor();
 	setLinearVelocity( toBt( motion.velocity ) );
 	setAngularVelocity( toBt( motion.angularVelocity ) );
-	const bool isHeld = m_owner.impl().body->rigidState()->isHeld;
-	setCollisionFlags( m_owner.getCollisionFlags() | ( isHeld ? CF_STATIC_OBJECT : 0 ) );
+	setCollisionFlags( m_owner.getCollisionFlags() | ( isHeld() ? CF_STATIC_OBJECT : 0 ) );
 	setIslandTag( m_owner.getIslandTag() );
 	setWorldArrayIndex( static_cast<const btCollisionObject&>( m_owner ).getWorldArrayIndex() );
 	setBroadphaseHandle( m_owner.getBroadphaseHandle() );

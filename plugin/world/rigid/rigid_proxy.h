@@ -23,6 +23,7 @@ public:
 	/// Copies the motion of the body, and what the solver reads of its collision object.
 	void follow();
 	SoftBody& owner() const { return m_owner; }
+	bool isHeld() const; ///< RigidState::isHeld
 
 	/// The motion with the displacement by which the solver has pushed the rigid proxy out of penetrations since follow().
 	RigidMotion pushed( const RigidMotion& motion ) const;
@@ -36,10 +37,10 @@ private:
 /// Sums of contact forces on a body in its rigid state.
 struct RigidLoad
 {
-	double impulse = 0.0;       ///< in this game step so far, N s
-	double now = 0.0;           ///< in the last game step, N
-	double first = 0.0;         ///< when the body became rigid, N; of a pinned one in its first game step since, and before that below 0
-	Vec3d pull = Vec3d::Zero(); ///< gravity, central force and force fields when a pinned body became rigid, m/s^2
+	double impulse = 0.0; ///< in this game step so far, N s
+	double now = 0.0;     ///< in the last game step, N
+	double first = 0.0;   ///< when the body became rigid, N; for a pinned body in the game step after that, and below 0 until then
+	Vec3d acceleration = Vec3d::Zero(); ///< by gravity, central force and force fields when a pinned body became rigid, m/s^2
 };
 
 /// The soft body of a rigid proxy, or null for any other object.

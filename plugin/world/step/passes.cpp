@@ -4,6 +4,7 @@
 
 #include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/detect/pair_contacts.h"
 
 #include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
 #include <LinearMath/btQuickprof.h>
@@ -32,7 +33,8 @@ struct PassPairs : btOverlapCallback
 		return false;
 	}
 
-	/// Contacts between hulls, and with rigid objects, are found once a game step as where nothing takes substeps; their points follow.
+	/// Contacts of hulls with each other and with rigid objects are found once a game step, as in Bullet's world; in later substeps their
+	/// points move with the objects. Returns false for other pairs.
 	bool refresh( btBroadphasePair& pair, const btCollisionObject& a, const btCollisionObject& b )
 	{
 		if ( !pair.m_algorithm || !areRigid( a, b ) )
@@ -41,11 +43,7 @@ struct PassPairs : btOverlapCallback
 		}
 		manifolds.resizeNoInitialize( 0 );
 		pair.m_algorithm->getAllContactManifolds( manifolds );
-		for ( int k = 0; k < manifolds.size(); ++k )
-		{
-			btPersistentManifold& manifold = *manifolds[k];
-			manifold.refreshContactPoints( manifold.getBody0()->getWorldTransform(), manifold.getBody1()->getWorldTransform() );
-		}
+		refreshContacts( manifolds );
 		return true;
 	}
 

@@ -66,7 +66,7 @@ void WorldStep::leave()
 
 void WorldStep::addSoftBody( SoftBody* body, int group, int mask )
 {
-	if ( body && !bodies.fields.areActing && bodies.add( *body ) )
+	if ( body && !bodies.fields.areActing() && bodies.add( *body ) )
 	{
 		m_stages.baseAdd( body, group, mask );
 	}

@@ -226,17 +226,22 @@ bool findConvexTouch( const MovingSphere& sphere, Touch& touch, const Find& find
 	return sweep( sphere, touch, find );
 }
 
-/// Whether a sphere stays clear of a hull's own box, which is tight where the hull is thin, by more than rounding: then GJK need not look.
+/// Whether a sphere stays clear of a hull's own box by more than rounding: GJK is not needed then.
 bool isClearOfBox( const Obstacle& obstacle, const MovingSphere& sphere )
 {
-	btVector3 low, high;
-	obstacle.shape->getAabb( btTransform::getIdentity(), low, high );
-	const Vec3d p = obstacle.toLocal( sphere.centre );
-	const Vec3d outside = ( toEigen( low ) - p ).cwiseMax( p - toEigen( high ) );
-	return outside.maxCoeff() > sphere.touchDistance() + sphere.displacement.norm() + double( kContactSlop ) * sphere.radius;
+	return gapToOwnBox( obstacle, sphere.centre, sphere.centre ) >
+		sphere.touchDistance() + sphere.displacement.norm() + double( kContactSlop ) * sphere.radius;
 }
 
 } // namespace
+
+double gapToOwnBox( const Obstacle& obstacle, const Vec3d& from, const Vec3d& to )
+{
+	btVector3 low, high;
+	obstacle.shape->getAabb( btTransform::getIdentity(), low, high );
+	const Vec3d a = obstacle.toLocal( from ), b = obstacle.toLocal( to );
+	return ( toEigen( low ) - a.cwiseMax( b ) ).cwiseMax( a.cwiseMin( b ) - toEigen( high ) ).maxCoeff();
+}
 
 btTransform Obstacle::transform() const
 {

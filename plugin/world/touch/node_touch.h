@@ -64,6 +64,9 @@ struct Touch
 
 /// The point of a plane or a convex shape nearest to a sphere's centre, as a touch. False for other shapes.
 bool findNearest( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch );
+/// Returns the gap along an axis between a convex shape's own box, which is tight for thin hulls, and the box of two points, m: the largest
+/// of the axes of the shape; below 0 where the boxes overlap.
+double gapToOwnBox( const Obstacle& obstacle, const Vec3d& from, const Vec3d& to );
 /// The nearest point of a triangle; corners relative to the soft body's origin.
 bool findNearest( const Vec3d ( &corners )[3], const MovingSphere& sphere, Touch& touch );
 
