@@ -43,7 +43,7 @@ pliant_explosion inC( const Explosion& explosion )
 	return c;
 }
 
-/// A field that asks the game; what its function throws ends there, where tasks could not pass it on.
+/// A field that calls a function of the game. Exceptions of the function end here: the tasks that call the field cannot pass them on.
 class Acceleration : public ForceField
 {
 public:

@@ -2,6 +2,7 @@
 
 // Numbers of the C face as Bullet's, and back.
 
+#include "c/call.h"
 #include "c/constants.h"
 #include "pliant/c/types.h"
 
@@ -55,6 +56,17 @@ inline bool takePose( const pliant_pose& pose, btTransform& out )
 	}
 	out = btTransform( btQuaternion( btScalar( q[0] ), btScalar( q[1] ), btScalar( q[2] ), btScalar( q[3] ) ), vectorOf( pose.position ) );
 	return true;
+}
+
+/// The same for an argument of a call.
+inline pliant_result readPose( const pliant_pose* pose, btTransform& out ) noexcept
+{
+	if ( !pose )
+	{
+		return refuseNull();
+	}
+	return takePose( *pose, out ) ? PLIANT_OK
+								  : refuse( PLIANT_BAD_ARGUMENT, "The pose must be within 1e9 m, with a quaternion that is not zero." );
 }
 
 inline pliant_pose poseOf( const btTransform& transform )

@@ -55,13 +55,9 @@ pliant_result pliant_rigid_set_pose( pliant_world* world, pliant_id rigid, const
 {
 	return withRigid( world, rigid, [&]( btRigidBody& body ) {
 		btTransform transform;
-		if ( !pose )
+		if ( const pliant_result code = readPose( pose, transform ); code != PLIANT_OK )
 		{
-			return refuseNull();
-		}
-		if ( !takePose( *pose, transform ) )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, "The pose must be within 1e9 m, with a quaternion that is not zero." );
+			return code;
 		}
 		body.setWorldTransform( transform );
 		if ( body.isKinematicObject() )

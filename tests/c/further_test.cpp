@@ -1,5 +1,4 @@
-// What games ask for beside bodies and contacts, through the C face: poses, skins for renderers, questions, frames, bodies as bytes,
-// fields.
+// The C face beyond bodies and contacts: poses, skins for renderers, surface queries, frames, single bodies as bytes, force fields.
 
 #include "c/face.h"
 
@@ -232,7 +231,7 @@ TEST( CFurther, TangentsFollowTheTexture )
 	}
 }
 
-TEST( CFurther, ASurfaceAnswersQuestions )
+TEST( CFurther, SurfaceQueriesAgreeWithTheShape )
 {
 	CScene scene;
 	const pliant_id body = scene.add( pliant_vec3{ 0, 3, 0 } );
@@ -260,7 +259,7 @@ TEST( CFurther, ASurfaceAnswersQuestions )
 	pliant_query_destroy( query );
 }
 
-// Half of the weight above its own: it rises with g / 2.
+// The force is one and a half times the weight: the body rises with g / 2.
 TEST( CFurther, ForcesOnAFrameLiftItsBody )
 {
 	CScene scene;
@@ -317,7 +316,7 @@ TEST( CFurther, ABodyGoesToAnotherWorldAsBytes )
 	pliant_buffer_destroy( state );
 }
 
-TEST( CFurther, AFieldOfTheGameDrawsSoftAndRigidBodies )
+TEST( CFurther, AFieldOfTheGameAcceleratesSoftAndRigidBodies )
 {
 	CScene scene;
 	ASSERT_EQ( pliant_world_set_gravity( scene.world, pliant_vec3{ 0, 0, 0 } ), PLIANT_OK );
@@ -362,7 +361,7 @@ TEST( CFurther, AWallSheltersFromAnExplosion )
 	EXPECT_EQ( scene.state( behind ).linear_velocity.x, 0 );
 }
 
-TEST( CFurther, ABodyIsHeldAsAWholeAndLetGo )
+TEST( CFurther, ABodyBecomesStaticKinematicAndDynamic )
 {
 	CScene scene;
 	const pliant_id body = scene.add( pliant_vec3{ 0, 3, 0 } );

@@ -1,4 +1,4 @@
-// Poses, skins, questions, frames, bytes and fields with what they refuse: a code, a sentence, and nothing has changed.
+// Misuse of poses, skins, queries, frames, saved bodies and fields: a code, a sentence, and nothing has changed.
 
 #include "c/misuse.h"
 
@@ -24,7 +24,7 @@ pliant_skin_weights& oneBone()
 	return weights;
 }
 
-/// Skins of a cube, and a buffer, that the calls may write to.
+/// A cube with skins and a buffer as targets of the calls.
 struct Outs
 {
 	static inline pliant_gpu_surface tables{};
@@ -87,7 +87,7 @@ struct FurtherMisuse : testing::Test
 	}
 };
 
-TEST_F( FurtherMisuse, ObjectsThatAreNotThereOrOfAnotherKind )
+TEST_F( FurtherMisuse, MissingObjectsAndObjectsOfAnotherKind )
 {
 	scene.expectRefused( PLIANT_BAD_ARGUMENT, furtherCalls(), Target{ nullptr, scene.soft } );
 	scene.expectRefused( PLIANT_BAD_ARGUMENT, furtherCalls(), Target{ scene.world, scene.ball } );
@@ -101,7 +101,7 @@ TEST_F( FurtherMisuse, ObjectsThatAreNotThereOrOfAnotherKind )
 	}
 }
 
-TEST_F( FurtherMisuse, PosesThatAreNone )
+TEST_F( FurtherMisuse, InvalidPoses )
 {
 	static std::vector<double> targets( 3 * 64, 0.0 ), bad = targets, far = targets;
 	bad[7] = kBad;
@@ -161,7 +161,7 @@ TEST_F( FurtherMisuse, PosesThatAreNone )
 		Target{ scene.world, scene.soft } );
 }
 
-TEST_F( FurtherMisuse, SkinsAndNumbersThatAreNone )
+TEST_F( FurtherMisuse, InvalidSkinsAndNumbers )
 {
 	static pliant_mesh noMesh = initial( pliant_mesh_init );
 	using O = Outs;
@@ -200,7 +200,7 @@ TEST_F( FurtherMisuse, SkinsAndNumbersThatAreNone )
 	EXPECT_EQ( made, nullptr );
 }
 
-TEST_F( FurtherMisuse, QuestionsThatAreNone )
+TEST_F( FurtherMisuse, InvalidQueries )
 {
 	using O = Outs;
 	static pliant_nearest_point nearest{};
@@ -236,7 +236,7 @@ TEST_F( FurtherMisuse, QuestionsThatAreNone )
 	pliant_skin_destroy( nullptr );
 }
 
-TEST_F( FurtherMisuse, FramesBytesAndFieldsThatAreNone )
+TEST_F( FurtherMisuse, InvalidFramesBytesAndFields )
 {
 	using O = Outs;
 	static pliant_explosion explosion = initial( pliant_explosion_init ), unsized = explosion;
@@ -278,7 +278,7 @@ TEST_F( FurtherMisuse, FramesBytesAndFieldsThatAreNone )
 	EXPECT_EQ( scene.bodies().size(), 1u );
 }
 
-// A field may ask, and that is all: it is refused as in C++.
+// A field may read the world, but not change it, as in C++.
 TEST_F( FurtherMisuse, AFieldThatChangesTheWorld )
 {
 	struct Context

@@ -172,7 +172,7 @@ Ride rideOf( Elasticity elasticity, const btVector3& course, int gameSteps )
 	return ride;
 }
 
-// Steps of the game, and of a game that falls behind and makes two at once.
+// With one game step in each stepSimulation, and with two, as in a game that falls behind.
 TEST_P( Platforms, LiftsDoNotThrowLightBodies )
 {
 	for ( const btScalar speed : { btScalar( 1 ), btScalar( -1 ) } )
@@ -181,13 +181,13 @@ TEST_P( Platforms, LiftsDoNotThrowLightBodies )
 		{
 			const Ride ride = rideOf( GetParam().elasticity, btVector3( 0, speed, 0 ), gameSteps );
 			SCOPED_TRACE( std::to_string( gameSteps ) + " steps at " + std::to_string( speed ) );
-			EXPECT_LT( ride.highest, 0.04 ); // as the rigid one: it is ahead by the way of a stepSimulation
+			EXPECT_LT( ride.highest, 0.04 ); // as the rigid one: the plate is ahead by the displacement of one stepSimulation
 			EXPECT_NEAR( ride.velocity.y(), ride.twin.y(), 0.1 );
 		}
 	}
 }
 
-// What hangs on a shuttle by pins or attachments flies on with its velocity when it is let go.
+// A body on a shuttle, by pins or attachments, has the velocity of the shuttle.
 TEST_P( Platforms, ShuttlesGiveTheirVelocity )
 {
 	for ( const bool isPinned : { false, true } )
@@ -218,8 +218,8 @@ TEST_P( Platforms, ShuttlesGiveTheirVelocity )
 	}
 }
 
-// A door that is put to the other side of a body does not sweep over it.
-TEST_P( Platforms, WhatIsPutElsewhereHasNoWay )
+// A door that is teleported to the other side of a body does not sweep over it.
+TEST_P( Platforms, TeleportedBodiesDoNotSweepOverOthers )
 {
 	test::TestWorld own;
 	RigidScene scene( own.world );

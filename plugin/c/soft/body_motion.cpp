@@ -19,13 +19,9 @@ pliant_result withPose( pliant_world* world, pliant_id body, const pliant_pose* 
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
 		btTransform transform;
-		if ( !pose )
+		if ( const pliant_result code = readPose( pose, transform ); code != PLIANT_OK )
 		{
-			return refuseNull();
-		}
-		if ( !takePose( *pose, transform ) )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, "The pose must be within 1e9 m, with a quaternion that is not zero." );
+			return code;
 		}
 		return resultOf( work( soft, transform ) );
 	} );

@@ -1,4 +1,4 @@
-// Questions about surfaces and volumes.
+// Queries of surfaces and volumes.
 
 #include "pliant/c/query.h"
 #include "c/handles.h"
@@ -15,7 +15,7 @@ namespace pliant::c {
 
 namespace {
 
-/// Calls `work( const SurfaceQuery& )` where all numbers are good.
+/// Calls `work( const SurfaceQuery& )` if the point is finite.
 template <class F>
 pliant_result ask( const pliant_query* query, const pliant_vec3& point, F&& work )
 {

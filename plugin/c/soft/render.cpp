@@ -20,7 +20,7 @@ namespace pliant::c {
 
 namespace {
 
-// The records are handed on as they are.
+// The C records have the layout of the C++ records, whose arrays are passed to the caller.
 static_assert( sizeof( pliant_skin_range ) == sizeof( SkinRange ) && sizeof( pliant_skin_influence ) == sizeof( SkinInfluence ) );
 static_assert(
 	sizeof( pliant_skin_corner ) == sizeof( SkinCorner ) && offsetof( pliant_skin_corner, next ) == offsetof( SkinCorner, next ) );
@@ -83,7 +83,7 @@ pliant_tangents inC( const TangentView& view )
 	return c;
 }
 
-/// Asks a body for a view, where it can be written: to ask is to draw.
+/// Writes a view of a body. The view is computed only if it can be written.
 template <class C, class F>
 pliant_result view( const pliant_world* world, pliant_id body, C* out, std::uint32_t size, F&& viewOf )
 {
@@ -93,7 +93,7 @@ pliant_result view( const pliant_world* world, pliant_id body, C* out, std::uint
 	} );
 }
 
-/// The same of a skin.
+/// The same for a skin.
 template <class C, class F>
 pliant_result viewSkin( pliant_skin* skin, const pliant_world* world, pliant_id body, C* out, std::uint32_t size, F&& viewOf )
 {

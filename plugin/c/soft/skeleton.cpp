@@ -59,7 +59,7 @@ pliant_result follow( pliant_world* world, pliant_id body, const pliant_pose_set
 	} );
 }
 
-/// Reads `count` things of `size` numbers each; none where their number is not the one that the library will ask for.
+/// Reads `count` items of `size` numbers each; none if `count` is not the number that the library expects.
 template <class T, class F>
 btAlignedObjectArray<T> listOf( const double* numbers, int count, int wanted, int size, F&& make )
 {

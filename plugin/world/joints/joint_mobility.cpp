@@ -16,17 +16,17 @@ bool isMovable( const btRigidBody& body )
 	return body.getInvMass() > 0 && !body.isStaticOrKinematicObject();
 }
 
-JointGroup::Vector6 sixOf( const btVector3& linear, const btVector3& angular )
+JointGroup::Vector6 stacked( const btVector3& linear, const btVector3& angular )
 {
-	JointGroup::Vector6 six;
-	six << double( linear.x() ), double( linear.y() ), double( linear.z() ), double( angular.x() ), double( angular.y() ),
+	JointGroup::Vector6 both;
+	both << double( linear.x() ), double( linear.y() ), double( linear.z() ), double( angular.x() ), double( angular.y() ),
 		double( angular.z() );
-	return six;
+	return both;
 }
 
 } // namespace
 
-/// The rows of one joint as Bullet's solver asks for them: each array has kStride numbers a row.
+/// The rows of one joint, as Bullet's solver reads them: each array has kStride numbers for each row.
 struct JointGroup::Rows
 {
 	static constexpr int kStride = 4;
@@ -55,7 +55,7 @@ struct JointGroup::Rows
 	static Vector6 rowOf( const std::vector<btScalar>& linear, const std::vector<btScalar>& angular, int row )
 	{
 		const btScalar *l = linear.data() + kStride * row, *a = angular.data() + kStride * row;
-		return sixOf( btVector3( l[0], l[1], l[2] ), btVector3( a[0], a[1], a[2] ) );
+		return stacked( btVector3( l[0], l[1], l[2] ), btVector3( a[0], a[1], a[2] ) );
 	}
 
 	btTypedConstraint::btConstraintInfo2 info;
@@ -120,30 +120,30 @@ void JointGroup::addRows( btTypedConstraint& joint, const std::vector<Load>& loa
 			load += each.body == &joint.getRigidBodyB() ? inB.dot( each.impulse ) : 0.0;
 		}
 		const double limit = std::min( -double( rows.low[at] ), double( rows.high[at] ) );
-		if ( !( limit > 0.0 && 2.0 * std::abs( load ) <= limit ) ) // a stop presses one way; a motor may give way
+		if ( !( limit > 0.0 && 2.0 * std::abs( load ) <= limit ) ) // a stop acts one way only; a motor near its limit does not hold
 		{
 			continue;
 		}
 		const Eigen::Index index = m_rows.rows();
 		m_rows.conservativeResize( index + 1, 6 * Eigen::Index( m_bodies.size() ) );
 		m_rows.row( index ).setZero();
-		double wanted = double( rows.error[at] );
+		double target = double( rows.error[at] );
 		for ( int side = 0; side < 2; ++side )
 		{
 			const btRigidBody& body = side == 0 ? joint.getRigidBodyA() : joint.getRigidBodyB();
-			const Vector6& six = side == 0 ? inA : inB;
+			const Vector6& jacobian = side == 0 ? inA : inB;
 			const int own = side == 0 ? a : b;
 			if ( own >= 0 )
 			{
-				m_rows.block<1, 6>( index, 6 * own ) = six.transpose();
+				m_rows.block<1, 6>( index, 6 * own ) = jacobian.transpose();
 			}
 			else
 			{
-				wanted -= body.isKinematicObject() ? six.dot( sixOf( body.getLinearVelocity(), body.getAngularVelocity() ) ) : 0.0;
+				target -= body.isKinematicObject() ? jacobian.dot( stacked( body.getLinearVelocity(), body.getAngularVelocity() ) ) : 0.0;
 			}
 		}
-		m_wanted.conservativeResize( index + 1 );
-		m_wanted[index] = wanted;
+		m_targets.conservativeResize( index + 1 );
+		m_targets[index] = target;
 		m_softness.conservativeResize( index + 1 );
 		m_softness[index] = double( rows.cfm[at] );
 		m_jointOfRow.push_back( &joint );
@@ -160,7 +160,7 @@ bool JointGroup::collect( btRigidBody& body, const Joints& joints, const std::ve
 		return false;
 	}
 	m_rows.resize( 0, 6 * Eigen::Index( m_bodies.size() ) );
-	m_wanted.resize( 0 );
+	m_targets.resize( 0 );
 	m_softness.resize( 0 );
 	m_jointOfRow.clear();
 	for ( int k = 0; k < joints.size(); ++k )
@@ -191,11 +191,11 @@ void JointGroup::finish()
 				m_inverse( at + 3 + i, at + 3 + j ) = double( body.getInvInertiaTensorWorld()[i][j] );
 			}
 		}
-		m_velocities.segment<6>( at ) = sixOf( body.getLinearVelocity(), body.getAngularVelocity() ) +
-			m_h * ( m_inverse.block<6, 6>( at, at ) * sixOf( body.getTotalForce(), body.getTotalTorque() ) );
+		m_velocities.segment<6>( at ) = stacked( body.getLinearVelocity(), body.getAngularVelocity() ) +
+			m_h * ( m_inverse.block<6, 6>( at, at ) * stacked( body.getTotalForce(), body.getTotalTorque() ) );
 	}
-	m_whole = m_inverse;
-	m_answers = Eigen::VectorXd::Zero( m_rows.rows() );
+	m_mobility = m_inverse;
+	m_jointImpulses = Eigen::VectorXd::Zero( m_rows.rows() );
 	if ( m_rows.rows() == 0 )
 	{
 		return;
@@ -203,12 +203,12 @@ void JointGroup::finish()
 	const Eigen::MatrixXd moved = m_inverse * m_rows.transpose();
 	Eigen::MatrixXd gram = m_rows * moved;
 	gram.diagonal() += m_softness;
-	gram.diagonal() *= 1.0 + kJointRounding; // rows may say the same twice
+	gram.diagonal() *= 1.0 + kJointRounding; // rows may be redundant
 	const Eigen::LDLT<Eigen::MatrixXd> factors( gram );
-	m_answer = -factors.solve( moved.transpose() );
-	m_whole += moved * m_answer;
-	m_whole = ( 0.5 * ( m_whole + m_whole.transpose() ) ).eval();
-	m_velocities += moved * factors.solve( m_wanted - m_rows * m_velocities );
+	m_jointResponse = -factors.solve( moved.transpose() );
+	m_mobility += moved * m_jointResponse;
+	m_mobility = ( 0.5 * ( m_mobility + m_mobility.transpose() ) ).eval();
+	m_velocities += moved * factors.solve( m_targets - m_rows * m_velocities );
 }
 
 Eigen::MatrixXd JointGroup::mobilityOf( const std::vector<const btRigidBody*>& some ) const
@@ -219,21 +219,21 @@ Eigen::MatrixXd JointGroup::mobilityOf( const std::vector<const btRigidBody*>& s
 	{
 		for ( std::size_t b = 0; b < some.size(); ++b )
 		{
-			mobility.block<6, 6>( 6 * Eigen::Index( a ), 6 * Eigen::Index( b ) ) = m_whole.block<6, 6>(
+			mobility.block<6, 6>( 6 * Eigen::Index( a ), 6 * Eigen::Index( b ) ) = m_mobility.block<6, 6>(
 				6 * indexOf( some[a] ), 6 * indexOf( some[b] ) );
 		}
 	}
 	return mobility;
 }
 
-void JointGroup::strike( const std::vector<Load>& impulses )
+void JointGroup::applyImpulses( const std::vector<Load>& impulses )
 {
-	Eigen::VectorXd all = Eigen::VectorXd::Zero( m_whole.rows() );
+	Eigen::VectorXd all = Eigen::VectorXd::Zero( m_mobility.rows() );
 	for ( const Load& each : impulses )
 	{
 		all.segment<6>( 6 * indexOf( each.body ) ) += each.impulse;
 	}
-	const Eigen::VectorXd change = m_whole * all;
+	const Eigen::VectorXd change = m_mobility * all;
 	for ( std::size_t k = 0; k < m_bodies.size(); ++k )
 	{
 		const Eigen::Matrix<btScalar, 6, 1> own = change.segment<6>( 6 * Eigen::Index( k ) ).cast<btScalar>();
@@ -242,21 +242,21 @@ void JointGroup::strike( const std::vector<Load>& impulses )
 	}
 	if ( m_rows.rows() > 0 )
 	{
-		m_answers = m_answer * all;
+		m_jointImpulses = m_jointResponse * all;
 	}
 }
 
-void JointGroup::tellJoints() const
+void JointGroup::reportImpulses() const
 {
-	for ( Eigen::Index row = 0; row < m_answers.size(); ++row )
+	for ( Eigen::Index row = 0; row < m_jointImpulses.size(); ++row )
 	{
 		btTypedConstraint& joint = *m_jointOfRow[std::size_t( row )];
-		const bool isLast = row + 1 == m_answers.size() || m_jointOfRow[std::size_t( row ) + 1] != &joint;
+		const bool isLast = row + 1 == m_jointImpulses.size() || m_jointOfRow[std::size_t( row ) + 1] != &joint;
 		if ( isLast ) // Bullet keeps the impulse of a joint's last row
 		{
-			joint.internalSetAppliedImpulse( joint.internalGetAppliedImpulse() + btScalar( m_answers[row] ) );
+			joint.internalSetAppliedImpulse( joint.internalGetAppliedImpulse() + btScalar( m_jointImpulses[row] ) );
 		}
-		if ( std::abs( m_answers[row] ) >= double( joint.getBreakingImpulseThreshold() ) )
+		if ( std::abs( m_jointImpulses[row] ) >= double( joint.getBreakingImpulseThreshold() ) )
 		{
 			joint.setEnabled( false );
 		}
@@ -266,7 +266,7 @@ void JointGroup::tellJoints() const
 			const int own = indexOf( side == 0 ? &joint.getRigidBodyA() : &joint.getRigidBodyB() );
 			if ( own >= 0 )
 			{
-				const Eigen::Matrix<btScalar, 6, 1> force = ( m_answers[row] / m_h * m_rows.block<1, 6>( row, 6 * own ).transpose() )
+				const Eigen::Matrix<btScalar, 6, 1> force = ( m_jointImpulses[row] / m_h * m_rows.block<1, 6>( row, 6 * own ).transpose() )
 																.cast<btScalar>();
 				( side == 0 ? feedback->m_appliedForceBodyA : feedback->m_appliedForceBodyB ) += btVector3( force[0], force[1], force[2] );
 				( side == 0 ? feedback->m_appliedTorqueBodyA : feedback->m_appliedTorqueBodyB ) += btVector3(

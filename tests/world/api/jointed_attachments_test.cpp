@@ -1,4 +1,4 @@
-// Attachments to rigid bodies that are on joints of Bullet's: a tool on a motor, a load under a hook, lighter than what hangs on them.
+// Attachments to rigid bodies on Bullet's joints, such as a tool on a motor or a hook, which are lighter than their loads.
 
 #include "world/test_world.h"
 
@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P( Joints, OnJoints,
 		JointedCase{ Elasticity::Explicit, JointKind::Crank }, JointedCase{ Elasticity::Implicit, JointKind::Crank } ),
 	nameOfJointed );
 
-TEST_P( OnJoints, WhatIsHeavierThanTheBodyOnTheJointStaysWithIt )
+TEST_P( OnJoints, CarryLoadsHeavierThanTheJointedBody )
 {
 	for ( const btScalar mass : { btScalar( 0.2 ), btScalar( 1 ), btScalar( 10 ) } )
 	{

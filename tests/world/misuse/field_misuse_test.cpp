@@ -1,4 +1,4 @@
-// Calls out of force fields, which are called in the middle of loops over all bodies: what asks does, what changes something is refused.
+// Calls from force fields, which run in the middle of loops over all bodies: reading works, changes are refused.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/misuse/misuse.h"
@@ -69,7 +69,7 @@ void expectNoChange( const Status& status, const char* call )
 	EXPECT_EQ( status.sentence.rfind( call, 0 ), 0u ) << status.sentence;
 }
 
-/// What is refused with a status.
+/// Calls that are refused with a status.
 void callWhatRefuses( Scene& s, const std::vector<std::byte>& snapshot )
 {
 	SoftBody& body = *s.body;
@@ -120,7 +120,7 @@ void callWhatRefuses( Scene& s, const std::vector<std::byte>& snapshot )
 	expectNoChange( saveWorld( world, none ), "saveWorld" );
 }
 
-/// What is ignored.
+/// Calls that are ignored.
 void callWhatDoesNothing( Scene& s, CallingField& field )
 {
 	SoftBody& body = *s.body;
@@ -151,7 +151,7 @@ void callWhatDoesNothing( Scene& s, CallingField& field )
 	field.wake();
 }
 
-TEST( MisuseInFields, WhatChangesTheWorldIsRefusedAndDoesNothing )
+TEST( MisuseInFields, CallsThatChangeTheWorldAreRefused )
 {
 	for ( const BodyState state : { BodyState::Resting, BodyState::Implicit, BodyState::Rigid, BodyState::Levels, BodyState::Held } )
 	{
@@ -186,7 +186,7 @@ TEST( MisuseInFields, WhatChangesTheWorldIsRefusedAndDoesNothing )
 	}
 }
 
-TEST( MisuseInFields, NeitherAddsNorRemovesWhileItIsAskedWhatItActsOn )
+TEST( MisuseInFields, FieldsAreNeitherAddedNorRemovedFromActsOn )
 {
 	Scene scene( BodyState::Resting );
 	CallingField field;
@@ -198,7 +198,7 @@ TEST( MisuseInFields, NeitherAddsNorRemovesWhileItIsAskedWhatItActsOn )
 	EXPECT_TRUE( scene.home.world.addForceField( second ).ok() );
 }
 
-// A world of rigid bodies alone steps as Bullet's, but for its fields.
+// A world of rigid bodies alone steps as Bullet's world does, except for its fields.
 TEST( MisuseInFields, AWorldWithoutSoftBodiesRefusesTheSame )
 {
 	TestWorld t;

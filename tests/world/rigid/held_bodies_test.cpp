@@ -1,4 +1,4 @@
-// Pinned bodies with Material::rigidStrain: at rest they are as static as a static rigid body, until something loads them.
+// Pinned bodies with Material::rigidStrain: at rest they are as static as a static rigid body, until a load deforms them.
 
 #include "body/rigid_state.h"
 #include "support/snapshots.h"
@@ -49,7 +49,7 @@ bool isHeld( const SoftBody& body )
 	return state && state->isHeld;
 }
 
-TEST( HeldBodies, AShelfAndWhatLiesOnItFallAsleepAsOnARigidOne )
+TEST( HeldBodies, AShelfAndItsLoadFallAsleepAsOnARigidShelf )
 {
 	btScalar height[2];
 	for ( const bool isSoft : { false, true } )
@@ -92,7 +92,7 @@ TEST( HeldBodies, ALoadBendsThem )
 	EXPECT_NEAR( sag[1], sag[0], 0.2 * sag[0] );
 }
 
-TEST( HeldBodies, ABlowBreaksThemAsIfTheyHadNeverBeenRigid )
+TEST( HeldBodies, AnImpactBreaksThemAsIfTheyHadNeverBeenRigid )
 {
 	int pieces[2];
 	for ( const bool canBeRigid : { false, true } )
@@ -114,7 +114,7 @@ TEST( HeldBodies, ABlowBreaksThemAsIfTheyHadNeverBeenRigid )
 	EXPECT_NEAR( pieces[1], pieces[0], 1 );
 }
 
-TEST( HeldBodies, FallWhereTheirPinsAreReleased )
+TEST( HeldBodies, FallWhenTheirPinsAreReleased )
 {
 	TestWorld test;
 	SoftBody* const shelf = addShelf( test );
@@ -179,8 +179,8 @@ TEST( HeldBodies, APushMakesThemSwing )
 	}
 }
 
-// One node, or a row of them, is a hinge: what hangs there is not held, and falls asleep by itself.
-TEST( HeldBodies, WhatHangsByANodeSwingsAndFallsAsleep )
+// A body pinned at one node, or along a row, can rotate there: it is not held, and falls asleep while it is deformable.
+TEST( HeldBodies, BodiesPinnedAtOneNodeSwingAndFallAsleep )
 {
 	TestWorld test;
 	SoftBody* const rod = addHanging( test );
@@ -191,7 +191,7 @@ TEST( HeldBodies, WhatHangsByANodeSwingsAndFallsAsleep )
 	EXPECT_GT( rod->nodePosition( 0 ).x(), 0.1 );
 }
 
-TEST( HeldBodies, StayAsTheyAreInASnapshot )
+TEST( HeldBodies, AreRestoredFromASnapshot )
 {
 	TestWorld test;
 	SoftBody* const shelf = addShelf( test );

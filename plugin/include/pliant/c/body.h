@@ -216,17 +216,17 @@ PLIANT_API pliant_result pliant_attachment_get_force( const pliant_world* world,
 /// forces on rigid bodies and Bullet's joints act on them. `made`: its identity. Errors: PLIANT_BAD_ARGUMENT, also where fewer than three
 /// nodes, or nodes on a line, are within the radius.
 PLIANT_API pliant_result pliant_frame_create( pliant_world* world, pliant_id body, pliant_vec3 point, double radius, pliant_id* made );
-/// Ends a frame. Errors: PLIANT_BAD_ARGUMENT for another rigid body.
+/// Destroys a frame. Errors: PLIANT_BAD_ARGUMENT for another rigid body.
 PLIANT_API pliant_result pliant_frame_destroy( pliant_world* world, pliant_id frame );
-/// The soft body that a frame moves with; 0 where that is gone, and for another rigid body.
+/// The soft body of a frame; 0 if that has been destroyed, and for other rigid bodies.
 PLIANT_API pliant_result pliant_frame_get_body( const pliant_world* world, pliant_id frame, pliant_id* body );
 
 // --- single bodies as bytes
 /// Saves a body with its state, but without contacts and attachments: PLIANT_SAVE_ALL or PLIANT_SAVE_STATE_ONLY (pliant/c/world.h) in
-/// `flags`. What the buffer held is replaced.
+/// `flags`. Replaces the content of the buffer.
 PLIANT_API pliant_result pliant_body_save( const pliant_world* world, pliant_id body, uint32_t flags, pliant_buffer* bytes );
-/// Makes a body of such bytes and adds it to the world. `settings`: its group, mask and user data are used, the rest is in the bytes; may
-/// be null. `templates`: as of pliant_world_restore. `made`: its identity. Errors: PLIANT_BAD_SNAPSHOT.
+/// Creates a body from such bytes and adds it to the world. `settings`: its group, mask and user data are used, the rest is in the bytes;
+/// may be null. `templates`: as of pliant_world_restore. `made`: its identity. Errors: PLIANT_BAD_SNAPSHOT.
 PLIANT_API pliant_result pliant_body_load( pliant_world* world, const void* data, uint64_t byte_count,
 	const pliant_template* const* templates, uint64_t template_count, const pliant_body_settings* settings, pliant_id* made );
 

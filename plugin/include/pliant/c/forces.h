@@ -60,22 +60,22 @@ PLIANT_API pliant_result pliant_world_set_wind( pliant_world* world, const plian
 /// Sets the world's water in the same way.
 PLIANT_API pliant_result pliant_world_set_water( pliant_world* world, const pliant_water* water );
 
-/// A field of accelerations, such as the gravity of a planet. `position`: 3 numbers, world, m. Writes 3 numbers, m/s^2, that come in as 0.
-/// Called from several threads at the same time; it may call what asks, and nothing that changes the world.
+/// A field of accelerations, such as the gravity of a planet. `position`: 3 numbers, world, m. Writes 3 numbers, m/s^2, initially 0.
+/// Called from several threads at the same time; it may call functions that read the world, but none that changes it.
 typedef void ( *pliant_acceleration )( const double* position, double* acceleration, void* context );
-/// Sets the world's field of accelerations, which adds to its gravity, also on rigid bodies, and wakes what is in the world; null: none,
+/// Sets the world's field of accelerations, which adds to its gravity, also on rigid bodies, and wakes all bodies of the world; null: none,
 /// the default. `context`: passed to it.
 PLIANT_API pliant_result pliant_world_set_acceleration( pliant_world* world, pliant_acceleration field, void* context );
 
 /// Fills explosion with its defaults. `size`: sizeof( pliant_explosion ).
 PLIANT_API pliant_result pliant_explosion_init( pliant_explosion* explosion, uint32_t size );
-/// As pliant_world_explode (pliant/c/world.h), with all that can be set. `pushed`: number of bodies; may be null.
+/// As pliant_world_explode (pliant/c/world.h), with all settings. `pushed`: number of bodies; may be null.
 PLIANT_API pliant_result pliant_world_explode_as( pliant_world* world, const pliant_explosion* explosion, int32_t* pushed );
 
 /// Fills the closed cavities of a hollow soft body with gas of `law`, PLIANT_GAS_..., and of `pressure`, Pa, above `outside`, -1e9 to 1e9;
 /// `outside`, Pa, 0 to 1e9, matters to PLIANT_GAS_IDEAL only. Errors: PLIANT_BAD_SETTINGS; PLIANT_BAD_ARGUMENT for a body without a cavity.
 PLIANT_API pliant_result pliant_body_set_gas( pliant_world* world, pliant_id body, int32_t law, double pressure, double outside );
-/// The volume of a cavity with gas, 0 and up, m^3; 0 for a cavity that is not there.
+/// The volume of a cavity with gas, m^3; 0 for a missing cavity. `cavity`: from 0 on.
 PLIANT_API pliant_result pliant_body_get_gas_volume( const pliant_world* world, pliant_id body, int32_t cavity, double* volume );
 /// The pressure above that outside in a cavity, 0 and up, in the last step, Pa; 0 for a cavity that is not there.
 PLIANT_API pliant_result pliant_body_get_gas_pressure( const pliant_world* world, pliant_id body, int32_t cavity, double* pressure );

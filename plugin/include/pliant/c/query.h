@@ -1,6 +1,6 @@
 #pragma once
 
-// Questions about the surface and the volume of a soft body in its present shape. pliant/game/queries.h says more.
+// Queries of the surface and the volume of a soft body in its present shape. pliant/game/queries.h describes them.
 
 #include "pliant/c/types.h"
 
@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/// The surface of a body as it was when this was made; the body may move on and end. Ended by pliant_query_destroy.
+/// A copy of a body's surface; the body may move and be destroyed afterwards. Destroy it by pliant_query_destroy.
 typedef struct pliant_query pliant_query;
 
 /// The point of a surface that is nearest to another point.
@@ -23,7 +23,7 @@ typedef struct pliant_nearest_point
 	int32_t reserved;   ///< 0
 } pliant_nearest_point;
 
-/// What a surface encloses.
+/// Volume and area of a surface.
 typedef struct pliant_measures
 {
 	uint32_t size;    ///< of the structure, bytes
@@ -32,9 +32,9 @@ typedef struct pliant_measures
 	double area;      ///< m^2
 } pliant_measures;
 
-/// Takes the surface of a body. Make it once a step and ask often. `made`: the caller's to destroy.
+/// Copies the surface of a body: once a step, for many queries. `made`: to be destroyed by the caller.
 PLIANT_API pliant_result pliant_query_create( const pliant_world* world, pliant_id body, pliant_query** made );
-/// Ends it. Null is ignored.
+/// Destroys a query. Null is ignored.
 PLIANT_API void pliant_query_destroy( pliant_query* query );
 
 /// The surface point nearest to a point, world, m. `size`: sizeof( pliant_nearest_point ).

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a renderer may want beside pliant_body_get_surface: skinning on the graphics card, what vertices come from, tangents, further
-// meshes on a body. pliant/render/ says more, and docs/guide/rendering.md has the shader.
+// Functions for renderers in addition to pliant_body_get_surface: skinning on the graphics card, sources of vertices, tangents, further
+// meshes on a body. The headers of pliant/render/ describe them; docs/guide/rendering.md has the shader.
 
 #include "pliant/c/body.h"
 #include "pliant/c/template.h"
@@ -23,8 +23,8 @@ typedef struct pliant_skin_range
 	uint32_t count; ///< above 0
 } pliant_skin_range;
 
-/// An array to be copied into a buffer of the GPU: pliant::SkinArray. Who holds version `changed_since` needs the entries of `changed`
-/// alone; with any other version but `version` all of them.
+/// An array to be copied into a buffer of the GPU: pliant::SkinArray. A copy of version `changed_since` needs the entries of `changed`
+/// only; a copy of any other version except `version` needs all entries.
 typedef struct pliant_skin_array
 {
 	const void* data;                 ///< `count` entries of `stride` bytes; null for none
@@ -37,7 +37,7 @@ typedef struct pliant_skin_array
 	int32_t reserved;                 ///< 0
 } pliant_skin_array;
 
-/// A drawn vertex: pliant::SkinVertex. Not to be filled by the caller, as all of these records.
+/// A drawn vertex: pliant::SkinVertex. The library fills these records.
 typedef struct pliant_skin_vertex
 {
 	float rest[3];         ///< position in the undeformed shape, m
@@ -120,13 +120,13 @@ typedef struct pliant_tangents
 	uint32_t frame;            ///< as of pliant_surface; 0 for tangents at rest
 } pliant_tangents;
 
-/// A further mesh bound to the cells of a template, and what of it is drawn on one body. Ended by pliant_skin_destroy.
+/// A further mesh bound to the cells of a template, and its drawing on one body. Destroy it by pliant_skin_destroy.
 typedef struct pliant_skin pliant_skin;
 
 /// The skin for the GPU. `size`: sizeof( pliant_gpu_surface ).
 PLIANT_API pliant_result pliant_body_get_gpu_surface(
 	const pliant_world* world, pliant_id body, pliant_gpu_surface* surface, uint32_t size );
-/// What the vertices of the body's surface come from. Valid until the next call after the body breaks. `size`:
+/// The sources of the vertices of the body's surface. Valid until the next call after the body breaks. `size`:
 /// sizeof( pliant_vertex_sources ).
 PLIANT_API pliant_result pliant_body_get_vertex_sources(
 	const pliant_world* world, pliant_id body, pliant_vertex_sources* sources, uint32_t size );
@@ -136,20 +136,20 @@ PLIANT_API pliant_result pliant_body_get_tangents( const pliant_world* world, pl
 PLIANT_API pliant_result pliant_body_get_rest_tangents(
 	const pliant_world* world, pliant_id body, pliant_tangents* tangents, uint32_t size );
 
-/// Binds a mesh in the coordinates of the template's own mesh, and makes a skin of it for one body. `made`: the caller's to destroy.
+/// Binds a mesh in the coordinates of the template's own mesh, and makes a skin of it for one body. `made`: to be destroyed by the caller.
 PLIANT_API pliant_result pliant_skin_create( const pliant_template* of, const pliant_mesh* mesh, pliant_skin** made );
-/// Another skin of the same mesh, for another body: a fragment, say. Shares what is bound.
+/// Another skin of the same mesh, for another body: for example a fragment. Both share the binding.
 PLIANT_API pliant_result pliant_skin_copy( const pliant_skin* of, pliant_skin** made );
-/// Ends it. Null is ignored.
+/// Destroys a skin. Null is ignored.
 PLIANT_API void pliant_skin_destroy( pliant_skin* skin );
-/// The skin on a body, as pliant_body_get_surface; empty for a body of another template. Valid until the call after the next. Give one
-/// skin the same body always. `size`: sizeof( pliant_surface ).
+/// The skin on a body, as pliant_body_get_surface; empty for a body of another template. Valid until the call after the next. Use one
+/// skin for one body only. `size`: sizeof( pliant_surface ).
 PLIANT_API pliant_result pliant_skin_get_surface(
 	pliant_skin* skin, const pliant_world* world, pliant_id body, pliant_surface* surface, uint32_t size );
 /// The same for the GPU. `size`: sizeof( pliant_gpu_surface ).
 PLIANT_API pliant_result pliant_skin_get_gpu_surface(
 	pliant_skin* skin, const pliant_world* world, pliant_id body, pliant_gpu_surface* surface, uint32_t size );
-/// What its vertices come from, of the skin's mesh. `size`: sizeof( pliant_vertex_sources ).
+/// The sources of its vertices in the skin's mesh. `size`: sizeof( pliant_vertex_sources ).
 PLIANT_API pliant_result pliant_skin_get_vertex_sources(
 	pliant_skin* skin, const pliant_world* world, pliant_id body, pliant_vertex_sources* sources, uint32_t size );
 

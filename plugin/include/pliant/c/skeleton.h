@@ -1,6 +1,6 @@
 #pragma once
 
-// Soft bodies that follow an animated pose. pliant/game/skeleton.h says more on each call; errors are those of its calls.
+// Soft bodies that follow an animated pose. pliant/game/skeleton.h describes each call and its errors.
 
 #include "pliant/c/types.h"
 
@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/// Which bones move the vertices of a body's mesh: pliant::SkinWeights. Arrays are read during the call only.
+/// The bones that move the vertices of a body's mesh: pliant::SkinWeights. Arrays are read during the call only.
 typedef struct pliant_skin_weights
 {
 	uint32_t size;        ///< of the structure, bytes
@@ -27,7 +27,7 @@ typedef struct pliant_pose_settings
 	float damping_ratio; ///< fraction of the critical damping, 0 to 10. Default 0.3.
 	uint32_t reserved;   ///< 0
 	/// Called once for each cell. `point`: 3 floats, mesh coordinates, m. Writes the `strength` of the cell's spring, 0 to 1, and the
-	/// `largest_distance` from its target, m, above 0; they come in as 1 and infinity, which null leaves all cells with.
+	/// `largest_distance` from its target, m, above 0; initially 1 and infinity, which hold for all cells where this is null.
 	void ( *paint )( const float* point, float* strength, float* largest_distance, void* context );
 	void* paint_context; ///< passed to `paint`
 } pliant_pose_settings;
@@ -42,9 +42,9 @@ PLIANT_API pliant_result pliant_body_follow_bones(
 	pliant_world* world, pliant_id body, const pliant_skin_weights* weights, const pliant_pose_settings* settings );
 /// Lets a body follow positions that the game gives by pliant_body_set_targets.
 PLIANT_API pliant_result pliant_body_follow_targets( pliant_world* world, pliant_id body, const pliant_pose_settings* settings );
-/// Frees the body, which keeps its velocity; one that follows nothing stays as it is.
+/// Ends following; the body keeps its velocity. No effect on a body that follows nothing.
 PLIANT_API pliant_result pliant_body_stop_following( pliant_world* world, pliant_id body );
-/// Whether it follows bones or targets: 1 or 0.
+/// Whether the body follows bones or targets: 1 or 0.
 PLIANT_API pliant_result pliant_body_get_following( const pliant_world* world, pliant_id body, int32_t* is_following );
 
 /// The pose at the end of the next step. `bones`: for each of `count` bones the 12 numbers of a 3 x 4 matrix, row by row, from mesh
@@ -53,13 +53,13 @@ PLIANT_API pliant_result pliant_body_set_pose( pliant_world* world, pliant_id bo
 /// The same for a body that follows targets. `positions`: 3 numbers for each of `count` cells of the template, world, m.
 PLIANT_API pliant_result pliant_body_set_targets(
 	pliant_world* world, pliant_id body, const double* positions, int32_t count, int32_t jumps );
-/// Where the last pose has a cell of the template, world, m; 0 for a cell that is not there and without a pose.
+/// The position of a cell of the template in the last pose, world, m; 0 for a missing cell and without a pose.
 PLIANT_API pliant_result pliant_body_get_pose_target( const pliant_world* world, pliant_id body, int32_t cell, pliant_vec3* target );
-/// Sets how much of the pose acts, 0 to 1. Default 1.
+/// Sets the fraction of the pose that acts, 0 to 1. Default 1.
 PLIANT_API pliant_result pliant_body_set_pose_blend( pliant_world* world, pliant_id body, double blend );
 /// The blend last set; 0 for a body that follows nothing.
 PLIANT_API pliant_result pliant_body_get_pose_blend( const pliant_world* world, pliant_id body, double* blend );
-/// What the skeleton does to the body, the mean over the last step: force, N, and torque about the mass centre, N m; each may be null.
+/// The mean force, N, and torque about the mass centre, N m, of the skeleton on the body in the last step; each may be null.
 PLIANT_API pliant_result pliant_body_get_pose_force( const pliant_world* world, pliant_id body, pliant_vec3* force, pliant_vec3* torque );
 
 #ifdef __cplusplus
