@@ -65,8 +65,7 @@ TEST( FallsAsleep, CubesOnAWavyHeightfield )
 		for ( const float youngsModulus : { 2e4f, 2e5f } )
 		{
 			SoftWorld t;
-			auto* const field = new btHeightfieldTerrainShape(
-				kPosts, kPosts, heights.data(), btScalar( 1 ), btScalar( -1 ), btScalar( 1 ), 1, PHY_FLOAT, false );
+			auto* const field = new btHeightfieldTerrainShape( kPosts, kPosts, heights.data(), btScalar( -1 ), btScalar( 1 ), 1, false );
 			field->setLocalScaling( btVector3( btScalar( 0.5 ), 1, btScalar( 0.5 ) ) );
 			t.WorldOf<SoftBodyWorld>::add( 0, field, btVector3( 0, 0, 0 ) );
 			const auto made = cubeTemplate( 0.5f, 5 );
