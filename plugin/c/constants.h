@@ -24,4 +24,7 @@ inline constexpr int kMostSubsteps = 64;
 /// Largest number of vertices or triangles of a rigid mesh: Bullet counts with int.
 inline constexpr unsigned long long kMostElements = 100000000;
 
+/// Length of the normals that debug drawing shows at Bullet's contacts, m.
+inline constexpr double kContactNormalLength = 0.1;
+
 } // namespace pliant::c

@@ -11,11 +11,13 @@
 //     pliant/c/forces.h      wind, water, fields, explosions, gas in hollow bodies
 //     pliant/c/skeleton.h    bodies that follow an animated pose
 //     pliant/c/query.h       nearest points, inside or outside, volume
+//     pliant/c/debug.h       debug drawing
 //     pliant/c/render.h      skinning on the graphics card, tangents, further meshes
 //
 // pliant/c/mix.h, not included here, is C++: for engines that use both faces on one world.
 
 #include "pliant/c/body.h"
+#include "pliant/c/debug.h"
 #include "pliant/c/forces.h"
 #include "pliant/c/query.h"
 #include "pliant/c/render.h"
