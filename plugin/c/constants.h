@@ -14,6 +14,10 @@ inline constexpr double kMostMass = 1e12;
 inline constexpr double kMostSpeed = 1e5;
 /// Time within which a force may not lead beyond kMostSpeed, s: that of SoftBody.
 inline constexpr double kForceTime = 1.0 / 60.0;
+/// Largest force or moment of a motor, N or N m: with kMostLength a finite float.
+inline constexpr double kMostForce = 1e12;
+/// Fraction of a joint's error that a step corrects: with Bullet's default of .2 a bar of half a metre on a slider hangs 4 cm too low.
+inline constexpr double kJointErrorReduction = 0.8;
 /// Largest component of gravity, m/s^2: within a step of 1/60 s it leads to a fifth of kMostSpeed.
 inline constexpr double kMostGravity = 1e6;
 /// Largest friction: beyond it Bullet's limits overflow a float.

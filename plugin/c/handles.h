@@ -15,6 +15,7 @@
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
+#include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <cstddef>
@@ -54,6 +55,16 @@ struct WholeWorld
 	SoftBodyWorld world{ &dispatcher, &broadphase, &solver, &configuration };
 };
 
+/// A joint that C has made.
+struct Joint
+{
+	std::unique_ptr<btGeneric6DofSpring2Constraint> constraint;
+	const btRigidBody* first = nullptr;
+	const btRigidBody* second = nullptr; ///< null: the world
+	int kind = 0;                        ///< PLIANT_JOINT_...
+	double motorVelocity = 0.0, motorForce = 0.0;
+};
+
 struct Other
 {
 	btCollisionObject* object = nullptr;
@@ -69,7 +80,8 @@ struct pliant_world
 	std::unordered_map<const pliant::SoftBody*, std::unique_ptr<pliant::SoftBody>> madeSoft;
 	std::unordered_map<pliant_id, pliant::c::Other> others;
 	std::unordered_map<const btCollisionObject*, pliant_id> idsOfOthers;
-	pliant_id lastOther = 1;                          ///< identity last given to an object that is no soft body
+	std::unordered_map<pliant_id, std::unique_ptr<pliant::c::Joint>> joints;
+	pliant_id lastOther = 1;                          ///< identity last given to a joint or an object that is no soft body
 	std::unique_ptr<pliant::Wind> wind;               ///< null: none
 	std::unique_ptr<pliant::Water> water;             ///< null: none
 	std::unique_ptr<pliant::ForceField> acceleration; ///< null: none
@@ -97,6 +109,12 @@ pliant_id identityInEvent( const pliant_world& world, const SoftBody* body );
 pliant_result takeMembership( const pliant_body_settings* given, pliant_body_settings& full );
 /// Adds a body to the world, which then owns it.
 pliant_result addMade( pliant_world& world, std::unique_ptr<SoftBody> body, const pliant_body_settings& full, pliant_id& made );
+
+/// Ends the joints at an object before it is destroyed; null: all joints.
+void endJoints( pliant_world& world, const btCollisionObject* at );
+
+/// Destroys a frame and its joints.
+pliant_result destroyFrame( pliant_world& world, pliant_id frame );
 
 /// The reason why an identity names no object of the required kind.
 pliant_result refuseIdentity( const pliant_world* world, pliant_id id, const char* kind ) noexcept;

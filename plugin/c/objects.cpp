@@ -67,6 +67,7 @@ pliant_result destroyOther( pliant_world& world, pliant_id id )
 	{
 		return refuse( PLIANT_BAD_ARGUMENT, "The object was made in C++, which destroys it." );
 	}
+	endJoints( world, other->second.object );
 	world.host->bulletWorld().removeRigidBody( other->second.made->body.get() );
 	world.idsOfOthers.erase( other->second.object );
 	world.others.erase( other );
@@ -107,6 +108,22 @@ btRigidBody* rigidBody( const pliant_world& world, pliant_id id )
 {
 	btCollisionObject* const found = id % 2 == 1 ? object( world, id ) : nullptr;
 	return found ? btRigidBody::upcast( found ) : nullptr;
+}
+
+pliant_result destroyFrame( pliant_world& world, pliant_id frame )
+{
+	const auto other = world.others.find( frame );
+	const btRigidBody* const rigid = btRigidBody::upcast( other->second.object );
+	const SoftBodySystem& bodies = world.host->step().bodies;
+	if ( bodies.isBusy() || !bodies.frames.find( *rigid ) )
+	{
+		return refuse( PLIANT_BAD_ARGUMENT, "The rigid body is no frame, or a step is in progress." );
+	}
+	endJoints( world, rigid );
+	world.host->removeFrame( rigid );
+	world.idsOfOthers.erase( rigid );
+	world.others.erase( other );
+	return PLIANT_OK;
 }
 
 pliant_id identityOf( const SoftBody& body )

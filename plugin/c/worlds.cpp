@@ -121,6 +121,7 @@ pliant_world::~pliant_world()
 {
 	wind.reset();
 	water.reset();
+	pliant::c::endJoints( *this, nullptr );
 	for ( const auto& [body, owner] : madeSoft )
 	{
 		host->removeSoftBody( owner.get() );

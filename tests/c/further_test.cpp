@@ -403,56 +403,5 @@ TEST( CFurther, GasHasAVolume )
 	EXPECT_EQ( volume, 0 );
 }
 
-struct Lines
-{
-	std::vector<std::array<double, 9>> lines;
-	static void add( const double* from, const double* to, const double* colour, void* context )
-	{
-		std::array<double, 9> line;
-		for ( std::size_t k = 0; k < 3; ++k )
-		{
-			line[k] = from[k];
-			line[k + 3] = to[k];
-			line[k + 6] = colour[k];
-		}
-		static_cast<Lines*>( context )->lines.push_back( line );
-	}
-};
-
-TEST( CFurther, DrawsTheLinesThatCppDraws )
-{
-	struct Drawer : btIDebugDraw
-	{
-		Lines drawn;
-		void drawLine( const btVector3& a, const btVector3& b, const btVector3& c ) override
-		{
-			const double p[9] = { double( a.x() ), double( a.y() ), double( a.z() ), double( b.x() ), double( b.y() ), double( b.z() ),
-				double( c.x() ), double( c.y() ), double( c.z() ) };
-			Lines::add( p, p + 3, p + 6, &drawn );
-		}
-		void drawContactPoint( const btVector3&, const btVector3&, btScalar, int, const btVector3& ) override {}
-		void reportErrorWarning( const char* ) override {}
-		void draw3dText( const btVector3&, const char* ) override {}
-		void setDebugMode( int ) override {}
-		int getDebugMode() const override { return DBG_DrawWireframe | DBG_DrawConstraints; }
-	} drawer;
-	CScene scene;
-	scene.add( pliant_vec3{ 0, 1, 0 } );
-	scene.addBall( pliant_vec3{ 0, 3, 0 }, 2 );
-	Lines usual, all;
-	ASSERT_EQ( pliant_world_draw( scene.world, nullptr, Lines::add, &usual ), PLIANT_OK ) << pliant_last_error();
-	auto what = initial( pliant_debug_drawing_init );
-	what.links = what.cells = 1;
-	ASSERT_EQ( pliant_world_draw( scene.world, &what, Lines::add, &all ), PLIANT_OK ) << pliant_last_error();
-	EXPECT_GT( all.lines.size(), usual.lines.size() );
-	btDynamicsWorld& world = hostOf( scene.world )->bulletWorld();
-	EXPECT_EQ( world.getDebugDrawer(), nullptr ) << "the call leaves the world as it was";
-	world.setDebugDrawer( &drawer );
-	world.debugDrawWorld();
-	world.setDebugDrawer( nullptr );
-	EXPECT_FALSE( usual.lines.empty() );
-	EXPECT_EQ( usual.lines, drawer.drawn.lines );
-}
-
 } // namespace
 } // namespace pliant

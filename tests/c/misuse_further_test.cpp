@@ -278,26 +278,6 @@ TEST_F( FurtherMisuse, InvalidFramesBytesAndFields )
 	EXPECT_EQ( scene.bodies().size(), 1u );
 }
 
-TEST_F( FurtherMisuse, InvalidDrawing )
-{
-	static const pliant_draw_line line = []( const double*, const double*, const double*, void* ) {};
-	static pliant_debug_drawing unsized = initial( pliant_debug_drawing_init ), flat = unsized, bad = unsized;
-	unsized.size = 3;
-	flat.full_strain = 0;
-	bad.metres_per_newton = kBad;
-	scene.expectRefused( PLIANT_BAD_ARGUMENT,
-		{
-			PLIANT_NAMED( pliant_debug_drawing_init( nullptr, sizeof unsized ) ),
-			PLIANT_NAMED( pliant_debug_drawing_init( &unsized, 3 ) ),
-			PLIANT_NAMED( pliant_world_draw( nullptr, nullptr, line, nullptr ) ),
-			PLIANT_NAMED( pliant_world_draw( t.world, nullptr, nullptr, nullptr ) ),
-			PLIANT_NAMED( pliant_world_draw( t.world, &unsized, line, nullptr ) ),
-			PLIANT_NAMED( pliant_world_draw( t.world, &flat, line, nullptr ) ),
-			PLIANT_NAMED( pliant_world_draw( t.world, &bad, line, nullptr ) ),
-		},
-		Target{ scene.world, scene.soft } );
-}
-
 // A field may read the world, but not change it, as in C++.
 TEST_F( FurtherMisuse, AFieldThatChangesTheWorld )
 {

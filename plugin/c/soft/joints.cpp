@@ -99,15 +99,7 @@ pliant_result pliant_frame_create( pliant_world* world, pliant_id body, pliant_v
 
 pliant_result pliant_frame_destroy( pliant_world* world, pliant_id frame )
 {
-	return withRigid( world, frame, [&]( btRigidBody& rigid ) {
-		if ( !world->host->removeFrame( &rigid ) )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, "The rigid body is no frame, or a step is in progress." );
-		}
-		world->idsOfOthers.erase( &rigid );
-		world->others.erase( frame );
-		return pliant_result( PLIANT_OK );
-	} );
+	return withRigid( world, frame, [&]( btRigidBody& ) { return destroyFrame( *world, frame ); } );
 }
 
 pliant_result pliant_frame_get_body( const pliant_world* world, pliant_id frame, pliant_id* body )

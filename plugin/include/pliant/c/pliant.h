@@ -7,6 +7,7 @@
 //     pliant/c/template.h    meshes converted into cells
 //     pliant/c/world.h       worlds, events, rays, saving, what all objects have
 //     pliant/c/rigid.h       rigid bodies
+//     pliant/c/joints.h      joints of rigid bodies and frames
 //     pliant/c/body.h        soft bodies
 //     pliant/c/forces.h      wind, water, fields, explosions, gas in hollow bodies
 //     pliant/c/skeleton.h    bodies that follow an animated pose
@@ -19,6 +20,7 @@
 #include "pliant/c/body.h"
 #include "pliant/c/debug.h"
 #include "pliant/c/forces.h"
+#include "pliant/c/joints.h"
 #include "pliant/c/query.h"
 #include "pliant/c/render.h"
 #include "pliant/c/rigid.h"
