@@ -1,4 +1,5 @@
 #include "world/step/kinematic_motion.h"
+#include "world/bodies/soft_body_impl.h"
 
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -19,6 +20,19 @@ bool isContinuous( const btRigidBody& body, const btTransform& start, const btTr
 	return ( end * centre ).distance( start * centre ) <= 2 * radius;
 }
 
+/// The same for a soft body.
+bool isContinuous( const SoftBody& body, const std::vector<Vec3d>& start, const std::vector<Vec3d>& end )
+{
+	const SphereRows::Box& box = body.impl().shape->rows().whole();
+	const double width = double( ( box.maxs() - box.mins() ).length() );
+	Vec3d sum = Vec3d::Zero();
+	for ( std::size_t i = 0; i < start.size(); ++i )
+	{
+		sum += end[i] - start[i];
+	}
+	return sum.norm() <= width * double( start.size() );
+}
+
 } // namespace
 
 void KinematicMotion::noteStarts( const btCollisionObjectArray& objects, int steps )
@@ -26,6 +40,7 @@ void KinematicMotion::noteStarts( const btCollisionObjectArray& objects, int ste
 	m_motions.clear();
 	m_steps = std::max( steps, 1 );
 	m_step = 0;
+	m_softCount = 0;
 	for ( int k = 0; k < objects.size(); ++k )
 	{
 		btCollisionObject& object = *objects[k];
@@ -35,11 +50,22 @@ void KinematicMotion::noteStarts( const btCollisionObjectArray& objects, int ste
 		{
 			m_motions.push_back( Motion{ body, k, body->getInterpolationWorldTransform(), btTransform::getIdentity(), false } );
 		}
+		SoftBody* const soft = object.isKinematicObject() ? asSoftBody( &object ) : nullptr;
+		if ( soft && !soft->impl().heldBefore.empty() )
+		{
+			m_soft.resize( std::max( m_soft.size(), m_softCount + 1 ) );
+			NodeMotion& motion = m_soft[m_softCount++];
+			motion.body = soft;
+			motion.index = k;
+			motion.start.assign( soft->impl().heldBefore.begin(), soft->impl().heldBefore.end() );
+			motion.moves = false;
+		}
 	}
 }
 
-void KinematicMotion::beginStep( const btCollisionObjectArray& objects )
+void KinematicMotion::beginStep( const btCollisionObjectArray& objects, btScalar seconds )
 {
+	m_seconds = seconds;
 	std::erase_if( m_motions, [&objects]( const Motion& motion ) {
 		return motion.index >= objects.size() || objects[motion.index] != motion.body; // a callback has changed the list
 	} );
@@ -49,12 +75,49 @@ void KinematicMotion::beginStep( const btCollisionObjectArray& objects )
 		motion.moves = motion.body->isKinematicObject() && !( motion.end == motion.start ) &&
 			isContinuous( *motion.body, motion.start, motion.end );
 	}
+	for ( NodeMotion& motion : soft() )
+	{
+		const bool isThere = motion.index < objects.size() && objects[motion.index] == motion.body && motion.body->isKinematicObject();
+		const std::vector<Vec3d>* const now = isThere ? &motion.body->impl().heldBefore : nullptr;
+		motion.moves = now && now->size() == motion.start.size() && *now != motion.start &&
+			isContinuous( *motion.body, motion.start, *now );
+		if ( motion.moves )
+		{
+			motion.end.assign( now->begin(), now->end() );
+		}
+	}
 	++m_step;
+}
+
+btScalar KinematicMotion::fractionOfAll( btScalar fraction ) const
+{
+	return m_step == m_steps && fraction >= 1 ? btScalar( 1 )
+											  : std::min( ( btScalar( m_step - 1 ) + fraction ) / btScalar( m_steps ), btScalar( 1 ) );
+}
+
+void KinematicMotion::place( NodeMotion& motion, double fraction ) const
+{
+	SoftBody::Impl& impl = motion.body->impl();
+	NodeState& nodes = impl.body->nodes();
+	const double time = double( m_seconds ) * double( m_steps );
+	if ( motion.start.size() != std::size_t( nodes.count ) )
+	{
+		return; // a callback has changed its nodes
+	}
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Vec3d &start = motion.start[std::size_t( i )], &end = motion.end[std::size_t( i )];
+		const Vec3d at = fraction >= 1.0 ? end : Vec3d( start + fraction * ( end - start ) );
+		nodes.x.set( i, ( at - nodes.origin ).cast<float>() );
+		nodes.v.set( i, ( ( end - start ) / time ).cast<float>() );
+	}
+	impl.placeShape( *motion.body );
+	impl.skin.nodesMoved();
 }
 
 btTransform KinematicMotion::poseAt( const Motion& motion, btScalar fraction ) const
 {
-	const btScalar t = std::min( ( btScalar( m_step - 1 ) + fraction ) / btScalar( m_steps ), btScalar( 1 ) );
+	const btScalar t = fractionOfAll( fraction );
 	btTransform pose( motion.end.getBasis(), motion.start.getOrigin().lerp( motion.end.getOrigin(), t ) );
 	if ( !( motion.start.getBasis() == motion.end.getBasis() ) )
 	{
@@ -72,6 +135,10 @@ void KinematicMotion::place( btScalar fraction )
 			motion.body->setWorldTransform( m_step == m_steps && fraction >= 1 ? motion.end : poseAt( motion, fraction ) );
 		}
 	}
+	for ( NodeMotion& motion : soft() )
+	{
+		motion.moves ? place( motion, double( fractionOfAll( fraction ) ) ) : void();
+	}
 }
 
 void KinematicMotion::finish()
@@ -84,10 +151,41 @@ void KinematicMotion::finish()
 			motion.moves = false;
 		}
 	}
+	for ( NodeMotion& motion : soft() )
+	{
+		motion.moves ? place( motion, 1.0 ) : void();
+		motion.moves = false;
+	}
+}
+
+bool KinematicMotion::boxOf( const NodeMotion& motion, btVector3& low, btVector3& high ) const
+{
+	if ( !motion.moves )
+	{
+		return false;
+	}
+	Vec3d least = Vec3d::Zero(), most = Vec3d::Zero();
+	for ( std::size_t i = 0; i < motion.start.size(); ++i )
+	{
+		least = least.cwiseMin( motion.start[i] - motion.end[i] );
+		most = most.cwiseMax( motion.start[i] - motion.end[i] );
+	}
+	const btCollisionObject& object = *motion.body;
+	object.getCollisionShape()->getAabb( object.getWorldTransform(), low, high );
+	low += toBt( least );
+	high += toBt( most );
+	return true;
 }
 
 bool KinematicMotion::boxOf( const btCollisionObject& object, btVector3& low, btVector3& high ) const
 {
+	for ( const NodeMotion& motion : soft() )
+	{
+		if ( motion.body == &object )
+		{
+			return boxOf( motion, low, high );
+		}
+	}
 	const auto found = std::find_if(
 		m_motions.begin(), m_motions.end(), [&object]( const Motion& motion ) { return motion.body == &object; } );
 	if ( found == m_motions.end() || !found->moves )
@@ -107,6 +205,15 @@ bool KinematicMotion::boxOf( const btCollisionObject& object, btVector3& low, bt
 
 void KinematicMotion::forget( const btCollisionObject& object )
 {
+	for ( NodeMotion& motion : soft() )
+	{
+		if ( motion.body == &object )
+		{
+			motion.moves ? place( motion, 1.0 ) : void();
+			motion = std::move( m_soft[--m_softCount] );
+			break;
+		}
+	}
 	const auto found = std::find_if(
 		m_motions.begin(), m_motions.end(), [&object]( const Motion& motion ) { return motion.body == &object; } );
 	if ( found != m_motions.end() )

@@ -122,10 +122,10 @@ void WorldStep::forgetObject( btCollisionObject& object )
 	bodies.frames.forget( object, m_parts.world );
 	bodies.group.noteRemoval( object, m_parts.world.getNumCollisionObjects() );
 	m_outside.forget( object );
+	m_kinematic.forget( object );
 	if ( btRigidBody* const body = btRigidBody::upcast( &object ) )
 	{
 		m_rigid.forget( body );
-		m_kinematic.forget( *body );
 		bodies.fields.forget( *body );
 	}
 }

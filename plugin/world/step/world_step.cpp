@@ -118,7 +118,7 @@ void WorldStep::singleStep( btScalar timeStep )
 void WorldStep::makePasses( btScalar timeStep, int substeps )
 {
 	const bool hasWhole = bodies.group.isEmpty() || bodies.group.isSplit();
-	m_kinematic.beginStep( m_parts.objects );
+	m_kinematic.beginStep( m_parts.objects, timeStep );
 	bodies.areStagesRunning = true;
 	m_substep = 0;
 	m_isNewStep = true;
