@@ -220,6 +220,7 @@ class StepReport(Structure):
         ("removed_pieces", c_int32),
         ("debris_pieces", c_int32),
         ("debris_nodes", c_int32),
+        ("settled_pieces", c_int32),
         ("quarantined", c_int32),
         ("unreachable_stiffness", c_int32),
     ]

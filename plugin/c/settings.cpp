@@ -127,6 +127,7 @@ void debrisFields( F& f, C& c, Cpp& m )
 	f( c.max_nodes, m.maxNodes );
 	f( c.fade_time, m.fadeTime );
 	f( c.pieces_per_step, m.piecesPerStep );
+	f( c.settle_time, m.settleTime );
 }
 
 template <class F, class C, class Cpp>

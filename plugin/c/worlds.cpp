@@ -80,6 +80,7 @@ pliant_step_report inC( const StepReport& report )
 	c.removed_pieces = report.removedPieces;
 	c.debris_pieces = report.debrisPieces;
 	c.debris_nodes = report.debrisNodes;
+	c.settled_pieces = report.debrisSettled;
 	c.quarantined = report.quarantined;
 	c.unreachable_stiffness = report.unreachableStiffness;
 	return c;

@@ -107,6 +107,10 @@ Status check( const DebrisBudget& budget )
 	{
 		return refuse( "DebrisBudget::fadeTime must be above 0 and at most 3600 s." );
 	}
+	if ( !isWithin( budget.settleTime, 0.0f, kLongestFade ) )
+	{
+		return refuse( "DebrisBudget::settleTime must lie in 0 to 3600 s." );
+	}
 	if ( budget.piecesPerStep < 0 || budget.piecesPerStep > kMostPiecesPerStep )
 	{
 		return refuse( "DebrisBudget::piecesPerStep must lie in 0 to 100 000." );

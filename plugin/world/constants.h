@@ -288,8 +288,12 @@ inline constexpr double kBentRest = 0.25;
 inline constexpr btScalar kRigidParting = btScalar( 0.3 ), kLeastCorrection = btScalar( 1e-3 );
 /// A body deforms again under more than this multiple of the load, N, that it became rigid under.
 inline constexpr double kRigidLoad = 2.0;
-/// One that was bent then, under less than this fraction of it.
-inline constexpr double kBentLoad = 0.25;
+/// One that was bent then, under less than this fraction of it, if that load was at least this fraction of its own weight: the load that is
+/// read while it comes to rest is by some tens of per cent off.
+inline constexpr double kBentLoad = 0.25, kLeastBentLoad = 0.5;
+/// After this time of slow motion, s, the load is a mean over some kMeanLoadTime, s: two pieces that rock on each other exchange their
+/// loads, and would deform at each turn and never sleep.
+inline constexpr double kLoadRest = 1.0, kMeanLoadTime = 0.25;
 /// Velocity from which impacts on pinned bodies in their rigid state are searched, m/s: the smallest one that strains them depends on the
 /// mass.
 inline constexpr double kHeldForecast = 0.05;

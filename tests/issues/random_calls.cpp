@@ -240,7 +240,9 @@ void RandomCalls::contact( const btCollisionObject* a, const btCollisionObject* 
 		return;
 	}
 	SoftBody* const meant = oneIn( 3 ) ? someSoft() : soft;
-	switch ( below( 5 ) )
+	// Contacts of a body in its rigid state are Bullet's, which reads both objects after the callback.
+	const bool isBullets = a == static_cast<const btCollisionObject*>( soft ) || b == static_cast<const btCollisionObject*>( soft );
+	switch ( isBullets ? 3 + below( 2 ) : below( 5 ) )
 	{
 		case 0:
 			if ( meant )

@@ -125,6 +125,11 @@ struct DebrisBudget
 	/// Pieces that may come off a body in one game step, 0 to 100 000; 0: any number. Default. Parts that are cracked off but over this
 	/// budget stay in the body, where nothing holds them, and come off in the next steps.
 	int piecesPerStep = 0;
+	/// Time that a piece must have slept until it becomes scenery, s, 0 to 3600; 0: never. Default. Scenery is static
+	/// (btCollisionObject::CF_STATIC_OBJECT): it collides and is drawn as before, but nothing moves, breaks or wakes it, and it counts in
+	/// no budget. A game that clears the flag has the piece back. Pieces with pins, attachments or frames, and those that are kept, stay as
+	/// they are.
+	float settleTime = 0.0f;
 };
 
 /// Returns Ok, or BadSettings with a sentence about the first value that is out of its range (NaN included).

@@ -39,9 +39,10 @@ struct StepReport
 	int brokenLinks = 0;          ///< between finest cells
 	int fragments = 0;            ///< bodies that came off others
 	int removedPieces = 0;        ///< small pieces that were not made, or have faded (SmallPieces)
-	int debrisPieces = 0;         ///< pieces that the world owns, those that fade included (DebrisBudget)
+	int debrisPieces = 0;         ///< pieces that the world owns, those that fade included and scenery not (DebrisBudget)
 	int debrisNodes = 0;          ///< their nodes
 	int debrisFading = 0;         ///< pieces that began to fade in this step because they are over the budget
+	int debrisSettled = 0;        ///< pieces that became scenery in this step
 	int quarantined = 0;          ///< bodies that do not move because one of their numbers became not finite
 	int unreachableStiffness = 0; ///< bodies whose Young's modulus was out of reach: raise maxSoftSubsteps or regionHalfWidth
 };

@@ -229,9 +229,10 @@ void SoftBodySystem::moveHeldBodies()
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		if ( !body->isStaticOrKinematicObject() )
+		if ( !body->isStaticOrKinematicObject() || impl.isScenery )
 		{
 			impl.heldBefore.clear();
+			impl.isScenery && !body->isStaticObject() ? leaveScenery( *body ) : void();
 			continue;
 		}
 		NodeState& nodes = impl.body->nodes();

@@ -1,4 +1,5 @@
-// A world's budget of debris: which pieces fade because there are too many, and how many may come off in a step (DebrisBudget).
+// A world's budget of debris: which pieces fade because there are too many, how many may come off in a step, and which have settled and
+// become scenery (DebrisBudget).
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/world_step.h"
@@ -9,15 +10,47 @@
 
 namespace pliant {
 
+bool SoftBodySystem::maySettle( const SoftBody& body ) const
+{
+	const SoftBody::Impl& impl = body.impl();
+	return impl.pins.empty() && !impl.isKept && impl.fading.time == 0.0f && !impl.follower && !body.isStaticOrKinematicObject() &&
+		( attachments.isEmpty() || !attachments.contain( body ) ) && !hasFrame( body );
+}
+
+void SoftBodySystem::settleDebris( btScalar gameStep )
+{
+	for ( SoftBody* body : owned )
+	{
+		SoftBody::Impl& impl = body->impl();
+		if ( impl.isScenery )
+		{
+			continue;
+		}
+		impl.asleepTime = body->getActivationState() == ISLAND_SLEEPING ? impl.asleepTime + double( gameStep ) : 0.0;
+		if ( debris.settleTime > 0.0f && impl.asleepTime >= double( debris.settleTime ) && maySettle( *body ) )
+		{
+			impl.isScenery = true;
+			body->setCollisionFlags( body->getCollisionFlags() | btCollisionObject::CF_STATIC_OBJECT );
+			impl.followRigidState( *body );
+			++report.debrisSettled;
+		}
+	}
+}
+
 // Called at the start of a game step. Pieces that fade already count as removed, so that no others fade instead of them.
 void SoftBodySystem::limitDebris( btScalar gameStep )
 {
 	m_clock += double( gameStep );
 	m_piecesLeft = debris.piecesPerStep;
+	settleDebris( gameStep );
 	int live = 0, nodes = 0;
 	for ( SoftBody* body : owned )
 	{
 		const SoftBody::Impl& impl = body->impl();
+		if ( impl.isScenery )
+		{
+			continue;
+		}
 		const int own = impl.body->nodeCount();
 		report.debrisPieces += 1;
 		report.debrisNodes += own;
@@ -41,7 +74,7 @@ void SoftBodySystem::limitDebris( btScalar gameStep )
 	for ( SoftBody* body : owned )
 	{
 		const SoftBody::Impl& impl = body->impl();
-		if ( impl.fading.time == 0.0f && !impl.isKept )
+		if ( impl.fading.time == 0.0f && !impl.isKept && !impl.isScenery )
 		{
 			pieces.push_back( Piece{ ( m_clock - impl.separatedAt ) / double( impl.body->nodeCount() ), impl.serial, body } );
 		}

@@ -204,6 +204,8 @@ struct SoftBody::Impl
 	Fading fading;
 	double separatedAt = 0.0;                      ///< time of the world at which the piece came off, s
 	bool isKept = false;                           ///< the world's DebrisBudget leaves it alone
+	double asleepTime = 0.0;                       ///< of a piece that the world owns, s
+	bool isScenery = false;                        ///< it has become static (DebrisBudget::settleTime)
 	bool partsWait = false;                        ///< it is in several parts that the step's budget of pieces has kept together
 	std::unique_ptr<NodeShape> previousShape;      ///< contact proxies of lost nodes point to its spheres until the next collision phase
 	std::shared_ptr<SharedCrackState> crackFamily; ///< null: it was not drawn when it broke, or links were healed

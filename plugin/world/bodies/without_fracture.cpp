@@ -56,7 +56,7 @@ void SoftBodySystem::advanceFading( btScalar ) {}
 void SoftBodySystem::limitDebris( btScalar ) {}
 Status SoftBodyHost::setDebrisBudget( const DebrisBudget& budget )
 {
-	const bool isUsed = budget.maxPieces != 0 || budget.maxNodes != 0 || budget.piecesPerStep != 0;
+	const bool isUsed = budget.maxPieces != 0 || budget.maxNodes != 0 || budget.piecesPerStep != 0 || budget.settleTime != 0;
 	return isUsed ? requireFeature( Feature::Fracture ) : Status{};
 }
 

@@ -72,6 +72,12 @@ bool comeNear( const btCollisionObject& a, const btCollisionObject& b, const btV
 	return TestAabbAgainstAabb2( lowA + back - around, highA + ahead + around, lowB, highB );
 }
 
+/// Whether a body is in its rigid state and leaves it under load.
+bool mayDeform( const SoftBody& body )
+{
+	return body.impl().rigidProxy && !body.impl().isScenery;
+}
+
 btScalar massOf( const btCollisionObject& object )
 {
 	const SoftBody* const soft = SoftBody::upcast( &object );
@@ -181,7 +187,7 @@ private:
 void SoftBodySystem::forecastImpact( SoftBody& body, btCollisionObject& other, const ForecastMotions& motions, btScalar h )
 {
 	SoftBody* const soft = asSoftBody( &other );
-	SoftBody* const rigid = soft && soft->impl().rigidProxy ? soft : nullptr;
+	SoftBody* const rigid = soft && mayDeform( *soft ) ? soft : nullptr;
 	bool &deforms = body.impl().mustDeform, none = true, &otherDeforms = rigid ? rigid->impl().mustDeform : none;
 	if ( ( deforms && otherDeforms ) || !mayTouch( body, other ) )
 	{
@@ -199,7 +205,7 @@ void SoftBodySystem::forecastImpact( SoftBody& body, btCollisionObject& other, c
 	}
 	FastestContact contact( own, others, h );
 	contact.m_closestDistanceThreshold = bound * h;
-	if ( soft && !rigid )
+	if ( soft && !soft->impl().rigidProxy )
 	{
 		addSphereContacts( body, *soft, bound * h, least, contact );
 	}
@@ -217,7 +223,7 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 	double slowest = SIMD_INFINITY;
 	for ( const SoftBody* body : m_bodies )
 	{
-		if ( body->impl().rigidProxy )
+		if ( mayDeform( *body ) )
 		{
 			const Body& core = *body->impl().body;
 			const double speed = core.largestInvisibleVelocity();
@@ -260,11 +266,11 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 			{
 				continue; // tested from the other object
 			}
-			if ( soft && soft->impl().rigidProxy )
+			if ( soft && mayDeform( *soft ) )
 			{
 				forecastImpact( *soft, *other, motions, h );
 			}
-			else if ( otherSoft && otherSoft->impl().rigidProxy )
+			else if ( otherSoft && mayDeform( *otherSoft ) )
 			{
 				forecastImpact( *otherSoft, object, motions, h );
 			}

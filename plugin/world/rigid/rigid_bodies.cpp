@@ -3,6 +3,7 @@
 #include "body/rigid_state.h"
 #include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/detect/pair_contacts.h"
 #include "world/rigid/rigid_load.h"
 #include "world/step/soft_body_system.h"
 
@@ -127,7 +128,12 @@ bool SoftBodySystem::canBeRigid( const SoftBody& body ) const
 	return body.material().rigidStrain > 0.0f && arePinsStill( body ) && !impl.self && !impl.hasNodeForces && impl.newCuts.empty() &&
 		!body.isStaticOrKinematicObject() && impl.isHealthy && !impl.body->hasBrokenLinks() && !impl.follower &&
 		( !impl.forces || impl.forces->gas.law == GasLaw::None ) && ( attachments.isEmpty() || !attachments.contain( body ) ) &&
-		std::none_of( frames.all().begin(), frames.all().end(), [&body]( const Frame& frame ) { return frame.body == &body; } );
+		!hasFrame( body );
+}
+
+bool SoftBodySystem::hasFrame( const SoftBody& body ) const
+{
+	return std::any_of( frames.all().begin(), frames.all().end(), [&body]( const Frame& frame ) { return frame.body == &body; } );
 }
 
 void SoftBodySystem::deform( SoftBody& body )
@@ -139,12 +145,28 @@ void SoftBodySystem::deform( SoftBody& body )
 	body.impl().becomeDeformable( body );
 }
 
+// Contacts that end wake both sides, as those of objects that are removed. This body stays where it is: the objects that it touches keep
+// their states of activation and the time for which they have been at rest, and so does the body.
 void SoftBodySystem::removeContacts( SoftBody& body )
 {
-	if ( btBroadphaseProxy* const proxy = body.getBroadphaseHandle() )
+	btBroadphaseProxy* const proxy = body.getBroadphaseHandle();
+	if ( !proxy )
 	{
-		m_world.getPairCache()->cleanProxyFromPairs( proxy, &m_dispatcher );
-		m_world.updateSingleAabb( &body );
+		return;
+	}
+	m_restStates.clear();
+	m_restStates.push_back( RestState{ &body, body.getActivationState(), body.getDeactivationTime() } );
+	forEachManifold( m_dispatcher, prefetchEnd, [&]( const btPersistentManifold& manifold ) {
+		btCollisionObject &first = ownerOf( *manifold.getBody0() ), &second = ownerOf( *manifold.getBody1() );
+		btCollisionObject* const other = &first == &body ? &second : &second == &body ? &first : nullptr;
+		other ? m_restStates.push_back( RestState{ other, other->getActivationState(), other->getDeactivationTime() } ) : void();
+	} );
+	m_world.getPairCache()->cleanProxyFromPairs( proxy, &m_dispatcher );
+	m_world.updateSingleAabb( &body );
+	for ( const RestState& rest : m_restStates )
+	{
+		rest.object->forceActivationState( rest.activation );
+		rest.object->setDeactivationTime( rest.time );
 	}
 }
 
@@ -162,13 +184,23 @@ void SoftBodySystem::deformLoaded( btScalar gameStep )
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		if ( impl.rigidProxy && ( impl.mustDeform || !canBeRigid( *body ) || hasLoadChanged( *body, gravityOf( *body ) ) ) )
+		if ( impl.rigidProxy && !impl.isScenery &&
+			( impl.mustDeform || !canBeRigid( *body ) || hasLoadChanged( *body, gravityOf( *body ) ) ) )
 		{
 			deform( *body );
 			removeContacts( *body );
-			body->activate();
+			body->isActive() ? void() : body->activate();
 		}
 	}
+}
+
+void SoftBodySystem::leaveScenery( SoftBody& body )
+{
+	body.impl().isScenery = false;
+	body.impl().asleepTime = 0.0;
+	body.impl().followRigidState( body );
+	removeContacts( body );
+	body.activate();
 }
 
 double SoftBodySystem::loadOn( const SoftBody& body ) const
@@ -192,6 +224,8 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 			RigidLoad& load = impl.rigidLoad;
 			load.now = body->isActive() ? load.impulse / double( gameStep ) : load.now;
 			load.first = load.first < 0.0 ? load.now : load.first;
+			const double newPart = impl.restTime > kLoadRest ? std::min( double( gameStep ) / kMeanLoadTime, 1.0 ) : 1.0;
+			load.mean += newPart * ( load.now - load.mean );
 			load.impulse = 0.0;
 			continue;
 		}
@@ -204,7 +238,7 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 		if ( canBeRigid( *body ) && impl.body->canBecomeRigid( restTime > kBentRest ) )
 		{
 			const double load = loadOn( *body );
-			impl.rigidLoad = RigidLoad{ 0.0, load, impl.pins.empty() ? load : -1.0, accelerationOn( *body, gravityOf( *body ) ) };
+			impl.rigidLoad = RigidLoad{ 0.0, load, load, impl.pins.empty() ? load : -1.0, accelerationOn( *body, gravityOf( *body ) ) };
 			impl.becomeRigid( *body );
 			removeContacts( *body );
 		}

@@ -4,6 +4,8 @@
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -82,8 +84,9 @@ bool hasLoadChanged( const SoftBody& body, const btVector3& gravity )
 		return hasLoadOnHeldChanged( impl, accelerationOn( body, gravity ) );
 	}
 	const double weight = state.mass * double( gravity.length() ); // which loads a bent body too
-	const bool isUnloaded = state.isBent && load.now - weight < kBentLoad * ( load.first - weight );
-	return isUnloaded || load.now > std::max( kRigidLoad * load.first, largestLoad( *impl.body ) );
+	const bool wasLoaded = state.isBent && load.first > ( 1.0 + kLeastBentLoad ) * weight;
+	const bool isUnloaded = wasLoaded && load.mean - weight < kBentLoad * ( load.first - weight );
+	return isUnloaded || load.mean > std::max( kRigidLoad * load.first, largestLoad( *impl.body ) );
 }
 
 bool arePinsStill( const SoftBody& body )

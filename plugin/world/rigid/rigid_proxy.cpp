@@ -10,10 +10,11 @@ namespace {
 
 const char kRigidProxyMark = 0;
 
-/// Mass and moments in the solver: 0, as for static bodies, if pins hold the body.
-btRigidBody::btRigidBodyConstructionInfo solverBody( const RigidState& state, btCollisionShape& shape )
+/// Mass and moments in the solver: 0, as for static bodies, if pins hold the body or it is scenery.
+btRigidBody::btRigidBodyConstructionInfo solverBody( const SoftBody& owner, btCollisionShape& shape )
 {
-	const bool isFree = !state.isHeld;
+	const RigidState& state = *owner.impl().body->rigidState();
+	const bool isFree = !state.isHeld && !owner.impl().isScenery;
 	return btRigidBody::btRigidBodyConstructionInfo(
 		isFree ? btScalar( state.mass ) : btScalar( 0 ), nullptr, &shape, isFree ? toBt( state.moments ) : btVector3( 0, 0, 0 ) );
 }
@@ -21,7 +22,7 @@ btRigidBody::btRigidBodyConstructionInfo solverBody( const RigidState& state, bt
 } // namespace
 
 RigidProxy::RigidProxy( SoftBody& owner, std::unique_ptr<RigidShape> hulls ) :
-	btRigidBody( solverBody( *owner.impl().body->rigidState(), hulls->shape() ) ), m_owner( owner ), m_hulls( std::move( hulls ) )
+	btRigidBody( solverBody( owner, hulls->shape() ) ), m_owner( owner ), m_hulls( std::move( hulls ) )
 {
 	internalSetExtensionPointer( const_cast<char*>( &kRigidProxyMark ) );
 	setFlags( BT_DISABLE_WORLD_GRAVITY ); // gyroscopic torque too: the core keeps the angular momentum
@@ -42,7 +43,7 @@ void RigidProxy::follow()
 	setLinearVelocity( toBt( motion.velocity ) );
 	setAngularVelocity( toBt( motion.angularVelocity ) );
 	setCollisionFlags( m_owner.getCollisionFlags() | ( isHeld() ? CF_STATIC_OBJECT : 0 ) );
-	setIslandTag( m_owner.getIslandTag() );
+	setIslandTag( isHeld() ? -1 : m_owner.getIslandTag() ); // of no island, as static objects
 	setWorldArrayIndex( static_cast<const btCollisionObject&>( m_owner ).getWorldArrayIndex() );
 	setBroadphaseHandle( m_owner.getBroadphaseHandle() );
 	forceActivationState( m_owner.getActivationState() );

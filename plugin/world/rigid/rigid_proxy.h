@@ -39,6 +39,7 @@ struct RigidLoad
 {
 	double impulse = 0.0; ///< in this game step so far, N s
 	double now = 0.0;     ///< in the last game step, N
+	double mean = 0.0;    ///< `now`; for a body that has been slow for kLoadRest, its mean over some kMeanLoadTime
 	double first = 0.0;   ///< when the body became rigid, N; for a pinned body in the game step after that, and below 0 until then
 	Vec3d acceleration = Vec3d::Zero(); ///< by gravity, central force and force fields when a pinned body became rigid, m/s^2
 };

@@ -11,6 +11,7 @@
 
 #include "pliant/soft_body.h"
 #include "world/bodies/prefetch.h"
+#include "world/bodies/soft_body_impl.h"
 #include "world/respond/friction_torque_correction.h"
 #include "world/shape/contact_proxy.h"
 #include "world/step/soft_body_system.h"
@@ -99,9 +100,15 @@ private:
 			}
 		}
 	}
+	/// Pinned bodies in their rigid state connect nothing, like static objects: else one swinging shard would keep a whole pane awake.
+	static bool connects( const btCollisionObject* object )
+	{
+		const SoftBody* const soft = object && object->mergesSimulationIslands() ? SoftBody::upcast( object ) : nullptr;
+		return object && object->mergesSimulationIslands() && !( soft && soft->impl().rigidProxy && soft->impl().rigidProxy->isHeld() );
+	}
 	void unite( const btCollisionObject* a, const btCollisionObject* b )
 	{
-		if ( a && b && a->mergesSimulationIslands() && b->mergesSimulationIslands() )
+		if ( connects( a ) && connects( b ) )
 		{
 			this->getUnionFind().unite( a->getIslandTag(), b->getIslandTag() );
 		}

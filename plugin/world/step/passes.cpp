@@ -66,13 +66,6 @@ bool isDynamic( const btCollisionObject& object )
 	return !object.isStaticOrKinematicObject();
 }
 
-/// Returns the object of a contact, for a contact proxy its soft body.
-btCollisionObject& ownerOf( const btCollisionObject& object )
-{
-	SoftBody* const owner = ownerOfContactProxy( &object );
-	return owner ? static_cast<btCollisionObject&>( *owner ) : const_cast<btCollisionObject&>( object );
-}
-
 void scaleImpulses( btPersistentManifold& manifold, btScalar factor )
 {
 	for ( int k = 0; k < manifold.getNumContacts(); ++k )

@@ -173,7 +173,19 @@ public:
 private:
 	friend class WorldSnapshot;
 	bool moves( const SoftBody& body ) const;
+	struct RestState
+	{
+		btCollisionObject* object;
+		int activation;
+		btScalar time; ///< btCollisionObject::getDeactivationTime
+	};
 	void moveHeldBodies();
+	bool maySettle( const SoftBody& body ) const;
+	/// Makes scenery of pieces that have slept for DebrisBudget::settleTime.
+	void settleDebris( btScalar gameStep );
+	/// The game has made a body dynamic again that was scenery.
+	void leaveScenery( SoftBody& body );
+	bool hasFrame( const SoftBody& body ) const;
 	void keepDrawn(); ///< keeps the drawing from which SoftBody::setInterpolation blends
 	ImplicitSolve& implicitSolve() { return m_implicit[int( m_pass )]; }
 	/// Returns the number of substeps that the body takes in the game step.
@@ -243,6 +255,7 @@ private:
 	bool m_hasRigidProxies = false;              ///< in this substep
 	std::vector<SoftBody*> m_asleep;             ///< when the last step ended
 	std::vector<SoftBody*> m_parallel, m_serial; ///< awake bodies processed by all threads together; by one thread each
+	std::vector<RestState> m_restStates;         ///< scratch of removeContacts
 	std::vector<SoftBody*> m_stale;              ///< scratch of noteSkinRequest
 	std::vector<std::uint32_t> m_contactNodes;   ///< scratch of requestContactSplits: nodes and their F
 	std::vector<float> m_stretches;

@@ -144,6 +144,7 @@ typedef struct pliant_debris_budget
 	int32_t max_nodes;       ///< 0 to 1 000 000 000; 0, the default: any number
 	float fade_time;         ///< s, (0, 3600]. Default 1.
 	int32_t pieces_per_step; ///< 0 to 100 000; 0, the default: any number
+	float settle_time;       ///< s, 0 to 3600; 0, the default: pieces never become scenery
 } pliant_debris_budget;
 
 /// How an attachment holds: pliant::AttachmentSettings.

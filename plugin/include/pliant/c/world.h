@@ -45,6 +45,7 @@ typedef struct pliant_step_report
 	int32_t removed_pieces;        ///< small pieces that were not made, or have faded
 	int32_t debris_pieces;         ///< pieces that count for the budget
 	int32_t debris_nodes;          ///< their nodes
+	int32_t settled_pieces;        ///< pieces that became scenery
 	int32_t quarantined;           ///< bodies that stand still because a number in them was no longer finite
 	int32_t unreachable_stiffness; ///< bodies whose stiffness was out of reach
 } pliant_step_report;
