@@ -259,6 +259,7 @@ void WorldStep::detect()
 		return;
 	}
 	Stopwatch watch( bodies.report.collision );
+	m_lostContacts.note( bodies, m_parts.world );
 	const auto isRigid = []( const SoftBody* body ) { return body->isRigid(); };
 	const bool isLater = m_substep > 0 && std::any_of( bodies.bodies().begin(), bodies.bodies().end(), isRigid );
 	if ( bodies.group.isSplit() || isLater )
@@ -272,6 +273,7 @@ void WorldStep::detect()
 	}
 	const btScalar h = m_parts.world.getDispatchInfo().m_timeStep;
 	bodies.completeFirstContacts();
+	m_lostContacts.complete( m_parts.world );
 	bodies.collideWithThemselves( h );
 	bodies.endCollision( h );
 	bodies.releaseRefusedPairs(); // before manifolds are listed
