@@ -1,6 +1,7 @@
 #include "world/respond/rolling_friction.h"
 
 #include "world/bodies/soft_body_impl.h"
+#include "world/shape/rigid_motion_proxy.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -89,25 +90,10 @@ void RollingFriction::apply()
 		pair.rolling += normalImpulse * double( hidden.rolling );
 		pair.spinning += normalImpulse * double( hidden.spinning );
 	}
-	m_bodies.clear();
 	for ( const Pair& pair : m_pairs )
 	{
 		brake( pair );
 	}
-}
-
-std::size_t RollingFriction::measured( btCollisionObject* object )
-{
-	for ( std::size_t k = 0; k < m_bodies.size(); ++k )
-	{
-		if ( m_bodies[k].first == object )
-		{
-			m_bodies[k].second.follow();
-			return k;
-		}
-	}
-	m_bodies.emplace_back( object, RigidMotionProxy( object ) );
-	return m_bodies.size() - 1;
 }
 
 void RollingFriction::brake( const Pair& pair )
@@ -117,8 +103,7 @@ void RollingFriction::brake( const Pair& pair )
 		return;
 	}
 	const Vec3d normal = pair.normalImpulse.normalized();
-	const std::size_t first = measured( pair.first ), second = measured( pair.second );
-	RigidMotionProxy &a = m_bodies[first].second, &b = m_bodies[second].second;
+	RigidMotionProxy a( pair.first ), b( pair.second );
 	brakeAbout( a, b, normal, pair.spinning );
 	const Vec3d turning = a.angularVelocity - b.angularVelocity, rolling = turning - normal.dot( turning ) * normal;
 	if ( !rolling.isZero( 0.0 ) )

@@ -5,11 +5,9 @@
 // torques, limited by the normal impulses of their contacts. docs/design/contacts.md.
 
 #include "lattice/lattice.h"
-#include "world/shape/rigid_motion_proxy.h"
 
 #include <LinearMath/btScalar.h>
 
-#include <utility>
 #include <vector>
 
 class btCollisionObject;
@@ -44,14 +42,10 @@ private:
 	};
 
 	Pair& pairOf( btCollisionObject* first, btCollisionObject* second );
-	void brake( const Pair& pair );
-	/// Index of a body in m_bodies, measured once: several pairs may have the same body.
-	std::size_t measured( btCollisionObject* object );
+	static void brake( const Pair& pair );
 
 	std::vector<Hidden> m_hidden;
 	std::vector<Pair> m_pairs;
-	/// Each with its body, until the end of apply().
-	std::vector<std::pair<btCollisionObject*, RigidMotionProxy>> m_bodies;
 };
 
 } // namespace pliant

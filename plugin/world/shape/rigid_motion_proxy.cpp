@@ -64,25 +64,6 @@ void RigidMotionProxy::measure()
 	centre = sums.centre;
 }
 
-void RigidMotionProxy::follow()
-{
-	if ( soft && !inverseInertia.isZero( 0.0 ) )
-	{
-		const NodeState& nodes = soft->impl().body->nodes();
-		Vec3d spin = Vec3d::Zero();
-		for ( int i = 0; i < nodes.count; ++i )
-		{
-			const Vec3d arm = nodes.x.get( i ).cast<double>() - centre;
-			spin += double( nodes.mass[i] ) * arm.cross( nodes.v.get( i ).cast<double>() );
-		}
-		angularVelocity = inverseInertia * spin;
-	}
-	else if ( rigid && ( !rigid->isStaticObject() || rigid->isKinematicObject() ) )
-	{
-		angularVelocity = toVec3d( rigid->getAngularVelocity() );
-	}
-}
-
 void RigidMotionProxy::turn( const Vec3d& impulse )
 {
 	const Vec3d change = inverseInertia * impulse;

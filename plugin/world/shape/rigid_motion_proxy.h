@@ -20,8 +20,6 @@ struct RigidMotionProxy
 	Vec3d centre = Vec3d::Zero();                             ///< mass centre of a soft body, relative to its origin, m
 
 	explicit RigidMotionProxy( btCollisionObject* object );
-	/// Reads the angular velocity again: velocities have changed, positions have not. The same bits as of a new proxy.
-	void follow();
 	/// Applies an angular impulse, N m s; all nodes of a soft body rotate.
 	void turn( const Vec3d& impulse );
 
