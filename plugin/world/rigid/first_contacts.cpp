@@ -87,7 +87,27 @@ int contactsOf( const btBroadphasePair& pair, btManifoldArray& manifolds )
 	return contacts;
 }
 
+/// Completes the contacts of a pair that had `before`, if it has lost some.
+void completeLost( const btBroadphasePair& pair, int before, btManifoldArray& manifolds, const btDispatcherInfo& info )
+{
+	if ( contactsOf( pair, manifolds ) < before )
+	{
+		btCollisionObject& first = objectOf( pair.m_pProxy0 );
+		completeContacts( pair, isResting( first ) ? first : objectOf( pair.m_pProxy1 ), info );
+	}
+}
+
 } // namespace
+
+void refreshPair( const btBroadphasePair& pair, btManifoldArray& manifolds, const btDispatcherInfo& info )
+{
+	const int before = contactsOf( pair, manifolds );
+	refreshContacts( manifolds );
+	if ( before > 0 && ( isResting( objectOf( pair.m_pProxy0 ) ) || isResting( objectOf( pair.m_pProxy1 ) ) ) )
+	{
+		completeLost( pair, before, manifolds, info );
+	}
+}
 
 void LostContacts::note( const SoftBodySystem& bodies, btDiscreteDynamicsWorld& world )
 {
@@ -125,11 +145,7 @@ void LostContacts::complete( btDiscreteDynamicsWorld& world )
 		{
 			continue;
 		}
-		if ( contactsOf( pairs[p], m_manifolds ) < before->contacts )
-		{
-			btCollisionObject& first = objectOf( pairs[p].m_pProxy0 );
-			completeContacts( pairs[p], isResting( first ) ? first : objectOf( pairs[p].m_pProxy1 ), world.getDispatchInfo() );
-		}
+		completeLost( pairs[p], before->contacts, m_manifolds, world.getDispatchInfo() );
 	}
 }
 

@@ -9,11 +9,17 @@
 #include <vector>
 
 class btDiscreteDynamicsWorld;
+struct btBroadphasePair;
+struct btDispatcherInfo;
 
 namespace pliant {
 
 class SoftBodySystem;
 
+/// Moves the points of a pair with its objects (refreshContacts), and completes them where a body at rest has lost some.
+void refreshPair( const btBroadphasePair& pair, btManifoldArray& manifolds, const btDispatcherInfo& info );
+
+/// The same for pairs that are detected.
 class LostContacts
 {
 public:
