@@ -27,6 +27,12 @@ inline constexpr btScalar kContactSlop = btScalar( 0.04 );
 /// Spheres that miss a plane or box by more than this fraction of a radius are rejected early: rounding in a world 10 000 km wide.
 inline constexpr double kFarSlack = 1e-6;
 
+/// Bound of the rounding error of a height over a plane in single precision, over the sum of the coordinates that it is computed from.
+inline constexpr double kBlockRounding = 2e-6;
+
+/// Supports of a hull by which a sphere may be found to be clear of it before GJK: each costs a tenth of what GJK takes.
+inline constexpr int kHullProbes = 4;
+
 /// A node that moves by more than this fraction of its radius in a step is swept; a slower one is tested by its nearest point.
 inline constexpr double kFastFraction = 0.5;
 

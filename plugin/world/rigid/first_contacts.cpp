@@ -1,10 +1,11 @@
-// The first contacts of a body that has just become rigid. Until then it rested on all nodes that touched something. Bullet finds one
-// contact of two hulls in a step, and the body would tip over it before the others are found. So its pairs are detected several times, with
-// the body rotated by small angles about axes across the normal, which adds the corners that nearly touch. btConvexConvexAlgorithm has the
-// same option, but only for a whole world.
+// Contacts of a body in its rigid state that are found at once: its first ones, and those that it has lost (lost_contacts.h). Until it
+// became rigid it rested on all nodes that touched something. Bullet finds one contact of two hulls in a step, and the body would tip over
+// it before the others are found. So its pairs are detected several times, with the body rotated by small angles about axes across the
+// normal, which adds the corners that nearly touch. btConvexConvexAlgorithm has the same option, but only for a whole world.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/detect/pair_contacts.h"
+#include "world/rigid/lost_contacts.h"
 #include "world/step/soft_body_system.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
@@ -12,6 +13,8 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <LinearMath/btTransformUtil.h>
+
+#include <algorithm>
 
 namespace pliant {
 
@@ -65,7 +68,86 @@ void completeContacts( const btBroadphasePair& pair, btCollisionObject& turned, 
 	refreshContacts( manifolds );
 }
 
+/// Whether the object is a body in its rigid state that has been at rest for some steps.
+bool isResting( btCollisionObject& object )
+{
+	const SoftBody* const soft = asSoftBody( &object );
+	return soft && soft->impl().rigidProxy && soft->isActive() && soft->getDeactivationTime() > 0;
+}
+
+int contactsOf( const btBroadphasePair& pair, btManifoldArray& manifolds )
+{
+	int contacts = 0;
+	manifolds.resizeNoInitialize( 0 );
+	pair.m_algorithm->getAllContactManifolds( manifolds );
+	for ( int m = 0; m < manifolds.size(); ++m )
+	{
+		contacts += manifolds[m]->getNumContacts();
+	}
+	return contacts;
+}
+
+/// Completes the contacts of a pair that had `before`, if it has lost some.
+void completeLost( const btBroadphasePair& pair, int before, btManifoldArray& manifolds, const btDispatcherInfo& info )
+{
+	if ( contactsOf( pair, manifolds ) < before )
+	{
+		btCollisionObject& first = objectOf( pair.m_pProxy0 );
+		completeContacts( pair, isResting( first ) ? first : objectOf( pair.m_pProxy1 ), info );
+	}
+}
+
 } // namespace
+
+void refreshPair( const btBroadphasePair& pair, btManifoldArray& manifolds, const btDispatcherInfo& info )
+{
+	const int before = contactsOf( pair, manifolds );
+	refreshContacts( manifolds );
+	if ( before > 0 && ( isResting( objectOf( pair.m_pProxy0 ) ) || isResting( objectOf( pair.m_pProxy1 ) ) ) )
+	{
+		completeLost( pair, before, manifolds, info );
+	}
+}
+
+void LostContacts::note( const SoftBodySystem& bodies, btDiscreteDynamicsWorld& world )
+{
+	m_pairs.clear();
+	if ( std::none_of( bodies.bodies().begin(), bodies.bodies().end(), []( SoftBody* body ) { return isResting( *body ); } ) )
+	{
+		return;
+	}
+	btBroadphasePairArray& pairs = world.getPairCache()->getOverlappingPairArray();
+	for ( int p = 0; p < pairs.size(); ++p )
+	{
+		btCollisionObject &first = objectOf( pairs[p].m_pProxy0 ), &second = objectOf( pairs[p].m_pProxy1 );
+		if ( pairs[p].m_algorithm && ( isResting( first ) || isResting( second ) ) && !isDeformable( first ) && !isDeformable( second ) )
+		{
+			m_pairs.push_back(
+				Pair{ pairs[p].m_pProxy0->m_uniqueId, pairs[p].m_pProxy1->m_uniqueId, contactsOf( pairs[p], m_manifolds ) } );
+		}
+	}
+	std::sort( m_pairs.begin(), m_pairs.end(), []( const Pair& a, const Pair& b ) { return a.isBefore( b ); } );
+}
+
+void LostContacts::complete( btDiscreteDynamicsWorld& world )
+{
+	if ( m_pairs.empty() )
+	{
+		return;
+	}
+	btBroadphasePairArray& pairs = world.getPairCache()->getOverlappingPairArray();
+	for ( int p = 0; p < pairs.size(); ++p )
+	{
+		const Pair now{ pairs[p].m_pProxy0->m_uniqueId, pairs[p].m_pProxy1->m_uniqueId, 0 };
+		const auto before = std::lower_bound(
+			m_pairs.begin(), m_pairs.end(), now, []( const Pair& a, const Pair& b ) { return a.isBefore( b ); } );
+		if ( before == m_pairs.end() || now.isBefore( *before ) || !pairs[p].m_algorithm )
+		{
+			continue;
+		}
+		completeLost( pairs[p], before->contacts, m_manifolds, world.getDispatchInfo() );
+	}
+}
 
 void SoftBodySystem::completeFirstContacts()
 {

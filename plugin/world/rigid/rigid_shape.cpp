@@ -5,9 +5,9 @@
 #include "world/shape/node_shape.h"
 
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
-#include <LinearMath/btConvexHullComputer.h>
 
 #include <algorithm>
+#include <array>
 #include <cfloat>
 #include <numeric>
 
@@ -15,25 +15,47 @@ namespace pliant {
 
 namespace {
 
-/// Directions in which hulls are supported: those to the points of a cube of 5 x 5 x 5 that lie on its surface.
-std::vector<Vec3> supportDirections()
+/// Directions in which hulls are supported: those to the points of a cube of 5 x 5 x 5 that lie on its surface, which its squares, halved,
+/// make a closed surface of triangles. Direction k is opposite to the k-th from the end.
+struct Directions
 {
-	constexpr int kHalf = 2;
-	std::vector<Vec3> directions;
-	for ( int x = -kHalf; x <= kHalf; ++x )
+	static constexpr int kSide = 5;
+	std::vector<Vec3> all;
+	std::vector<std::array<int, 3>> triangles; ///< counterclockwise from outside
+
+	Directions()
 	{
-		for ( int y = -kHalf; y <= kHalf; ++y )
+		std::array<int, kSide * kSide * kSide> number{};
+		for ( int k = 0; k < int( number.size() ); ++k )
 		{
-			for ( int z = -kHalf; z <= kHalf; ++z )
+			const Eigen::Vector3i at = Eigen::Vector3i( k / ( kSide * kSide ), k / kSide % kSide, k % kSide ).array() - kSide / 2;
+			if ( at.cwiseAbs().maxCoeff() == kSide / 2 )
 			{
-				if ( std::max( { std::abs( x ), std::abs( y ), std::abs( z ) } ) == kHalf )
-				{
-					directions.push_back( Vec3( float( x ), float( y ), float( z ) ).normalized() );
-				}
+				number[std::size_t( k )] = int( all.size() );
+				all.push_back( at.cast<float>().normalized() );
+			}
+		}
+		constexpr std::array<int, 3> kStep = { kSide * kSide, kSide, 1 };
+		for ( std::size_t axis = 0; axis < 3; ++axis )
+		{
+			const int u = kStep[( axis + 1 ) % 3], v = kStep[( axis + 2 ) % 3];
+			for ( int square = 0; square < ( kSide - 1 ) * ( kSide - 1 ); ++square )
+			{
+				const int low = square / ( kSide - 1 ) * u + square % ( kSide - 1 ) * v, high = low + ( kSide - 1 ) * kStep[axis];
+				const auto at = [&number]( int k ) { return number[std::size_t( k )]; };
+				triangles.push_back( { at( high ), at( high + u ), at( high + u + v ) } );
+				triangles.push_back( { at( high ), at( high + u + v ), at( high + v ) } );
+				triangles.push_back( { at( low ), at( low + u + v ), at( low + u ) } );
+				triangles.push_back( { at( low ), at( low + v ), at( low + u + v ) } );
 			}
 		}
 	}
-	return directions;
+};
+
+const Directions& directions()
+{
+	static const Directions kDirections;
+	return kDirections;
 }
 
 struct Sphere
@@ -43,38 +65,98 @@ struct Sphere
 	float volume; ///< of the node's material, m^3
 };
 
-/// Returns the points whose hull, grown by `margin`, holds the spheres.
-std::vector<btVector3> hullPoints( const std::vector<Sphere>& spheres, const std::vector<int>& part, float margin )
+/// The sphere that reaches furthest in a direction, and how far, m.
+struct Support
 {
-	static const std::vector<Vec3> kDirections = supportDirections();
-	std::vector<btVector3> points;
-	float largest = 0.0f;
-	for ( const int k : part )
+	float reach = 0.0f;
+	Vec3 centre = Vec3::Zero();
+	float radius = 0.0f;
+};
+
+/// Some of a body's spheres.
+struct Part
+{
+	std::array<std::vector<int>, 3> sorted; ///< ascending along each axis
+	std::vector<int> order;
+	std::vector<Support> supports; ///< by direction
+	float largest = 0.0f;          ///< radius, m
+	double volume = 0.0;           ///< of the material, m^3
+
+	Part( const std::vector<Sphere>& spheres, std::vector<int> numbers );
+};
+
+Part::Part( const std::vector<Sphere>& spheres, std::vector<int> numbers ) : order( std::move( numbers ) )
+{
+	const Eigen::Index count = Eigen::Index( order.size() );
+	Eigen::ArrayXf x( count ), y( count ), z( count ), radius( count ), along( count ), reach( count );
+	for ( Eigen::Index i = 0; i < count; ++i )
 	{
-		largest = std::max( largest, spheres[std::size_t( k )].radius );
+		const Sphere& sphere = spheres[std::size_t( order[std::size_t( i )] )];
+		x[i] = sphere.centre.x();
+		y[i] = sphere.centre.y();
+		z[i] = sphere.centre.z();
+		radius[i] = sphere.radius;
+		largest = std::max( largest, sphere.radius );
+		volume += double( sphere.volume );
 	}
-	for ( const Vec3& direction : kDirections )
+	const std::vector<Vec3>& all = directions().all;
+	supports.resize( all.size() );
+	const auto furthest = [&]() {
+		const float most = reach.maxCoeff();
+		const Eigen::Index k = Eigen::Index( std::find( reach.data(), reach.data() + count, most ) - reach.data() );
+		return Support{ most, Vec3( x[k], y[k], z[k] ), radius[k] };
+	};
+	for ( std::size_t k = 0; 2 * k < all.size(); ++k )
 	{
-		float furthest = -FLT_MAX;
-		Vec3 at = Vec3::Zero();
-		for ( const int k : part )
-		{
-			const Sphere& sphere = spheres[std::size_t( k )];
-			const float reach = sphere.centre.dot( direction ) + sphere.radius;
-			if ( reach > furthest )
-			{
-				furthest = reach;
-				at = sphere.centre + ( sphere.radius - margin ) * direction;
-			}
-		}
+		along = x * all[k].x() + ( y * all[k].y() + z * all[k].z() );
+		reach = along + radius;
+		supports[k] = furthest();
+		reach = radius - along;
+		supports[all.size() - 1 - k] = furthest();
+	}
+}
+
+/// Returns the points whose hull, grown by `margin`, holds the spheres.
+std::vector<btVector3> hullPoints( const Part& part, float margin )
+{
+	std::vector<btVector3> points;
+	for ( std::size_t k = 0; k < part.supports.size(); ++k )
+	{
+		const Vec3& direction = directions().all[k];
+		const Support& support = part.supports[k];
 		const btVector3 along( direction.x(), direction.y(), direction.z() );
-		const btScalar enough = btScalar( furthest - margin - kHullTolerance * largest );
+		const btScalar enough = btScalar( support.reach - margin - kHullTolerance * part.largest );
 		if ( std::none_of( points.begin(), points.end(), [&]( const btVector3& other ) { return other.dot( along ) >= enough; } ) )
 		{
+			const Vec3 at = support.centre + ( support.radius - margin ) * direction;
 			points.push_back( btVector3( at.x(), at.y(), at.z() ) );
 		}
 	}
 	return points;
+}
+
+/// Returns the volume of the hull of a part's spheres, m^3: of the pyramids from one point to the triangles between supports in
+/// neighbouring directions.
+double hullVolume( const Part& part )
+{
+	const auto corner = [&part]( int k ) {
+		const Support& support = part.supports[std::size_t( k )];
+		return ( support.centre + support.radius * directions().all[std::size_t( k )] ).cast<double>();
+	};
+	const Vec3d top = corner( 0 );
+	double volume = 0.0;
+	for ( const std::array<int, 3>& triangle : directions().triangles )
+	{
+		const Vec3d a = corner( triangle[0] ) - top, b = corner( triangle[1] ) - top, c = corner( triangle[2] ) - top;
+		volume += a.dot( b.cross( c ) ) / 6.0;
+	}
+	return volume;
+}
+
+/// Returns true if the hull of the part's spheres is hardly larger than their material.
+bool isConvex( const Part& part )
+{
+	return hullVolume( part ) <= kConvexVolume * part.volume;
 }
 
 /// In Bullet a contact lasts until it has parted or slid by a fraction of the shape's size. A small shape moves by more in a step: its
@@ -95,38 +177,6 @@ private:
 	btScalar m_least; // m
 };
 
-/// Returns the volume of the points' hull, m^3: of the pyramids from its first vertex to the triangles of its faces.
-double hullVolume( const std::vector<btVector3>& points )
-{
-	btConvexHullComputer hull;
-	hull.compute( &points[0].x(), int( sizeof( btVector3 ) ), int( points.size() ), btScalar( 0 ), btScalar( 0 ) );
-	double volume = 0.0;
-	for ( int f = 0; f < hull.faces.size(); ++f )
-	{
-		const btConvexHullComputer::Edge* const first = &hull.edges[hull.faces[f]];
-		const btVector3 a = hull.vertices[first->getSourceVertex()] - hull.vertices[0];
-		for ( const btConvexHullComputer::Edge* edge = first->getNextEdgeOfFace(); edge->getTargetVertex() != first->getSourceVertex();
-			  edge = edge->getNextEdgeOfFace() )
-		{
-			const btVector3 b = hull.vertices[edge->getSourceVertex()] - hull.vertices[0];
-			const btVector3 c = hull.vertices[edge->getTargetVertex()] - hull.vertices[0];
-			volume += double( a.dot( b.cross( c ) ) ) / 6.0;
-		}
-	}
-	return std::abs( volume );
-}
-
-/// Returns true if the hull of the part's spheres is hardly larger than their material.
-bool isConvex( const std::vector<Sphere>& spheres, const std::vector<int>& part )
-{
-	double volume = 0.0;
-	for ( const int k : part )
-	{
-		volume += double( spheres[std::size_t( k )].volume );
-	}
-	return hullVolume( hullPoints( spheres, part, 0.0f ) ) <= kConvexVolume * volume;
-}
-
 /// A box in the frame's axes around some nodes.
 struct Box
 {
@@ -143,19 +193,22 @@ struct Box
 	float cost() const { return std::max( 0.0f, ( high - low ).prod() - material ) * material; }
 };
 
-/// Divides a part by the plane across an axis that leaves the least cost.
-std::pair<std::vector<int>, std::vector<int>> divided( const std::vector<Sphere>& spheres, const std::vector<int>& part )
+/// Where a part is divided: after so many of its spheres along an axis.
+struct Division
 {
-	std::vector<int> best, sorted = part;
-	std::size_t bestSize = part.size() / 2;
+	int axis = 0;
+	std::size_t count = 0;
+};
+
+/// Returns the plane across an axis that leaves the least cost.
+Division bestDivision( const std::vector<Sphere>& spheres, const Part& part )
+{
+	Division best{ 0, part.order.size() / 2 };
 	float least = FLT_MAX;
-	std::vector<float> behind( part.size() );
+	std::vector<float> behind( part.order.size() );
 	for ( int axis = 0; axis < 3; ++axis )
 	{
-		std::sort( sorted.begin(), sorted.end(), [&]( int a, int b ) {
-			const float first = spheres[std::size_t( a )].centre[axis], second = spheres[std::size_t( b )].centre[axis];
-			return first < second || ( first == second && a < b );
-		} );
+		const std::vector<int>& sorted = part.sorted[std::size_t( axis )];
 		Box box;
 		for ( std::size_t k = sorted.size(); k-- > 0; )
 		{
@@ -163,46 +216,78 @@ std::pair<std::vector<int>, std::vector<int>> divided( const std::vector<Sphere>
 			behind[k] = box.cost();
 		}
 		box = Box{};
-		bool isBest = false;
 		for ( std::size_t k = 0; k + 1 < sorted.size(); ++k )
 		{
 			box.include( spheres[std::size_t( sorted[k] )] );
 			if ( const float sum = box.cost() + behind[k + 1]; sum < least )
 			{
 				least = sum;
-				bestSize = k + 1;
-				isBest = true;
+				best = Division{ axis, k + 1 };
 			}
 		}
-		if ( isBest )
-		{
-			best = sorted;
-		}
 	}
-	const auto middle = best.begin() + std::ptrdiff_t( bestSize );
-	return { std::vector<int>( best.begin(), middle ), std::vector<int>( middle, best.end() ) };
+	return best;
 }
 
-/// Divides the nodes until each part is nearly convex, few nodes, or there are as many parts as allowed. The parts with most nodes first.
-std::vector<std::vector<int>> convexParts( const std::vector<Sphere>& spheres )
+/// All spheres as one part, sorted once: the orders of its parts follow from its own.
+Part wholePart( const std::vector<Sphere>& spheres )
 {
 	std::vector<int> all( spheres.size() );
 	std::iota( all.begin(), all.end(), 0 );
-	std::vector<std::vector<int>> done, open( 1, std::move( all ) );
+	Part whole( spheres, all );
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		std::vector<int>& sorted = whole.sorted[std::size_t( axis )];
+		sorted = all;
+		std::sort( sorted.begin(), sorted.end(), [&]( int a, int b ) {
+			const float first = spheres[std::size_t( a )].centre[axis], second = spheres[std::size_t( b )].centre[axis];
+			return first < second || ( first == second && a < b );
+		} );
+	}
+	return whole;
+}
+
+std::pair<Part, Part> divided( const std::vector<Sphere>& spheres, const Part& part, std::vector<unsigned char>& isFirst )
+{
+	const Division division = bestDivision( spheres, part );
+	const std::vector<int>& best = part.sorted[std::size_t( division.axis )];
+	const auto middle = best.begin() + std::ptrdiff_t( division.count );
+	std::pair<Part, Part> halves{
+		Part( spheres, std::vector<int>( best.begin(), middle ) ), Part( spheres, std::vector<int>( middle, best.end() ) ) };
+	for ( std::size_t k = 0; k < best.size(); ++k )
+	{
+		isFirst[std::size_t( best[k] )] = k < division.count ? 1 : 0;
+	}
+	for ( std::size_t axis = 0; axis < 3; ++axis )
+	{
+		for ( const int sphere : part.sorted[axis] )
+		{
+			( isFirst[std::size_t( sphere )] != 0 ? halves.first : halves.second ).sorted[axis].push_back( sphere );
+		}
+	}
+	return halves;
+}
+
+/// Divides the nodes until each part is nearly convex, few nodes, or there are as many parts as allowed. The parts with most nodes first.
+std::vector<Part> convexParts( const std::vector<Sphere>& spheres )
+{
+	std::vector<unsigned char> isFirst( spheres.size() );
+	std::vector<Part> done, open;
+	open.push_back( wholePart( spheres ) );
 	while ( !open.empty() )
 	{
 		const auto largest = std::max_element(
-			open.begin(), open.end(), []( const auto& a, const auto& b ) { return a.size() < b.size(); } );
-		std::vector<int> part = std::move( *largest );
+			open.begin(), open.end(), []( const Part& a, const Part& b ) { return a.order.size() < b.order.size(); } );
+		Part part = std::move( *largest );
 		open.erase( largest );
-		const bool isWhole = int( part.size() ) < kLeastHullNodes || int( done.size() + open.size() ) + 1 >= kMostHulls ||
-			isConvex( spheres, part );
+		const bool isWhole = int( part.order.size() ) < kLeastHullNodes || int( done.size() + open.size() ) + 1 >= kMostHulls ||
+			isConvex( part );
 		if ( isWhole )
 		{
 			done.push_back( std::move( part ) );
 			continue;
 		}
-		auto [first, second] = divided( spheres, part );
+		auto [first, second] = divided( spheres, part, isFirst );
 		open.push_back( std::move( first ) );
 		open.push_back( std::move( second ) );
 	}
@@ -222,9 +307,9 @@ RigidShape::RigidShape( const Body& body, const NodeShape& nodes )
 	}
 	const float margin = float( nodes.smallestRadius() );
 	const btScalar lasting = btMin( kLastingContact * btScalar( margin ), kLongestLasting );
-	for ( const std::vector<int>& part : convexParts( spheres ) )
+	for ( const Part& part : convexParts( spheres ) )
 	{
-		const std::vector<btVector3> points = hullPoints( spheres, part, margin );
+		const std::vector<btVector3> points = hullPoints( part, margin );
 		m_hulls.push_back( std::make_unique<LastingContacts<btConvexHullShape>>(
 			lasting, &points[0].x(), int( points.size() ), int( sizeof( btVector3 ) ) ) );
 		m_hulls.back()->setMargin( btScalar( margin ) );

@@ -203,20 +203,24 @@ void NodeSearch::plane( const Obstacle& obstacle )
 	const bool isStill = m_motion.isStill();
 	const Spheres spheres( *this );
 	Touch touch;
-	for ( int node = 0; node < nodes.count; ++node )
+	for ( int first = 0; first < nodes.count; first += FarPlane::kBlock )
 	{
-		const Vec3d centre = nodes.x.get( node ).cast<double>(), displacement = m_step * nodes.v.get( node ).cast<double>();
-		if ( far.isClear( centre, isStill ? displacement : Vec3d( displacement - m_motion.displacement( centre, m_step ) ), radius ) )
+		const int end = isStill && far.areClear( nodes, first, m_step, radius ) ? first : std::min( nodes.count, first + FarPlane::kBlock );
+		for ( int node = first; node < end; ++node )
 		{
-			continue;
-		}
-		if ( touches( node, spheres.of( node ), nearest, find, touch ) )
-		{
-			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
-		}
-		if ( m_refinesOnContact )
-		{
-			foresee( node, find );
+			const Vec3d centre = nodes.x.get( node ).cast<double>(), displacement = m_step * nodes.v.get( node ).cast<double>();
+			if ( far.isClear( centre, isStill ? displacement : Vec3d( displacement - m_motion.displacement( centre, m_step ) ), radius ) )
+			{
+				continue;
+			}
+			if ( touches( node, spheres.of( node ), nearest, find, touch ) )
+			{
+				m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
+			}
+			if ( m_refinesOnContact )
+			{
+				foresee( node, find );
+			}
 		}
 	}
 }

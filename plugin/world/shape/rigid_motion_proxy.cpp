@@ -7,6 +7,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <algorithm>
+
 namespace pliant {
 
 RigidMotionProxy::RigidMotionProxy( btCollisionObject* object )
@@ -30,18 +32,24 @@ void RigidMotionProxy::measure()
 {
 	const NodeState& nodes = soft->impl().body->nodes();
 	const BodySums sums = soft->impl().body->sums();
-	Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-	bool isHeld = !soft->isActive() || !soft->isHealthy();
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		const Vec3d p = nodes.x.get( i ).cast<double>() - sums.centre;
-		inertia += double( nodes.mass[i] ) * ( p.squaredNorm() * Eigen::Matrix3d::Identity() - p * p.transpose() );
-		isHeld = isHeld || nodes.freedom[i] == 0.0f;
-	}
-	if ( isHeld )
+	const auto freedoms = nodes.freedom.begin();
+	if ( !soft->isActive() || !soft->isHealthy() || std::find( freedoms, freedoms + nodes.count, 0.0f ) != freedoms + nodes.count )
 	{
 		return;
 	}
+	Vec3d moments = Vec3d::Zero(), products = Vec3d::Zero(); // about x, y, z; of y z, z x, x y
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Vec3d p = nodes.x.get( i ).cast<double>() - sums.centre;
+		const double mass = double( nodes.mass[i] ), square = p.squaredNorm();
+		for ( int k = 0; k < 3; ++k )
+		{
+			moments[k] += mass * ( square - p[k] * p[k] );
+			products[k] += mass * ( p[( k + 1 ) % 3] * p[( k + 2 ) % 3] );
+		}
+	}
+	Eigen::Matrix3d inertia;
+	inertia << moments[0], -products[2], -products[1], -products[2], moments[1], -products[0], -products[1], -products[0], moments[2];
 	// Collinear nodes have no inertia about their line, and nearly collinear ones too little: their cells would add sum m d^2 / 6.
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( inertia );
 	const double cell = soft->impl().body->lattice().cellSize, thin = kRollingInertia * sums.mass * cell * cell / 6.0;

@@ -4,7 +4,7 @@
 
 #include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
-#include "world/detect/pair_contacts.h"
+#include "world/rigid/lost_contacts.h"
 
 #include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
 #include <LinearMath/btQuickprof.h>
@@ -41,9 +41,7 @@ struct PassPairs : btOverlapCallback
 		{
 			return false;
 		}
-		manifolds.resizeNoInitialize( 0 );
-		pair.m_algorithm->getAllContactManifolds( manifolds );
-		refreshContacts( manifolds );
+		refreshPair( pair, manifolds, info );
 		return true;
 	}
 

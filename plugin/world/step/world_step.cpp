@@ -261,6 +261,10 @@ void WorldStep::detect()
 	Stopwatch watch( bodies.report.collision );
 	const auto isRigid = []( const SoftBody* body ) { return body->isRigid(); };
 	const bool isLater = m_substep > 0 && std::any_of( bodies.bodies().begin(), bodies.bodies().end(), isRigid );
+	if ( !isLater )
+	{
+		m_lostContacts.note( bodies, m_parts.world ); // later substeps complete contacts where they are lost
+	}
 	if ( bodies.group.isSplit() || isLater )
 	{
 		detectPass();
@@ -272,6 +276,10 @@ void WorldStep::detect()
 	}
 	const btScalar h = m_parts.world.getDispatchInfo().m_timeStep;
 	bodies.completeFirstContacts();
+	if ( !isLater )
+	{
+		m_lostContacts.complete( m_parts.world );
+	}
 	bodies.collideWithThemselves( h );
 	bodies.endCollision( h );
 	bodies.releaseRefusedPairs(); // before manifolds are listed

@@ -8,6 +8,7 @@
 #include "world/respond/moved_contacts.h"
 #include "world/respond/restitution.h"
 #include "world/respond/rolling_friction.h"
+#include "world/rigid/lost_contacts.h"
 #include "world/step/kinematic_motion.h"
 #include "world/step/pass_objects.h"
 #include "world/step/soft_body_system.h"
@@ -80,6 +81,7 @@ private:
 	PassObjects<btTypedConstraint> m_joints;
 	OutsideObjects m_outside;
 	StepImpulses m_impulses;
+	LostContacts m_lostContacts;
 	KinematicMotion m_kinematic;
 	/// Step lengths of the last game step's passes, s; equal if there was one kind of pass only; 0: there was no step.
 	struct Lengths

@@ -5,6 +5,7 @@
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <BulletCollision/CollisionShapes/btSdfCollisionShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
@@ -226,11 +227,36 @@ bool findConvexTouch( const MovingSphere& sphere, Touch& touch, const Find& find
 	return sweep( sphere, touch, find );
 }
 
-/// Whether a sphere stays clear of a hull's own box by more than rounding: GJK is not needed then.
-bool isClearOfBox( const Obstacle& obstacle, const MovingSphere& sphere )
+/// Returns a lower bound of the distance between a hull and a point, m: from the hull's middle on the point of the hull goes to the one
+/// nearest on the way to its support, as in GJK, whose supports bound the distance too (Frank and Wolfe 1956). Ends above `enough`.
+double leastDistance( const btConvexHullShape& hull, const btVector3& point, double enough )
 {
-	return gapToOwnBox( obstacle, sphere.centre, sphere.centre ) >
-		sphere.touchDistance() + sphere.displacement.norm() + double( kContactSlop ) * sphere.radius;
+	btVector3 low, high;
+	hull.getAabb( btTransform::getIdentity(), low, high );
+	btVector3 at = ( low + high ) / 2;
+	double least = 0.0;
+	for ( int k = 0; k < kHullProbes && least <= enough; ++k )
+	{
+		const btVector3 away = point - at;
+		const btScalar length = away.length();
+		if ( length == 0 )
+		{
+			break;
+		}
+		const btVector3 support = hull.localGetSupportingVertexWithoutMargin( away );
+		least = std::max( least, double( away.dot( point - support ) / length - hull.getMargin() ) );
+		const btVector3 along = support - at;
+		at += along * btClamped( away.dot( along ) / btMax( along.length2(), SIMD_EPSILON ), btScalar( 0 ), btScalar( 1 ) );
+	}
+	return least;
+}
+
+/// Whether a sphere stays clear of a hull, or of its own box, by more than rounding: GJK is not needed then.
+bool isClearOfHull( const Obstacle& obstacle, const MovingSphere& sphere )
+{
+	const double far = sphere.touchDistance() + sphere.displacement.norm() + double( kContactSlop ) * sphere.radius;
+	return gapToOwnBox( obstacle, sphere.centre, sphere.centre ) > far ||
+		leastDistance( *static_cast<const btConvexHullShape*>( obstacle.shape ), toBullet( obstacle.toLocal( sphere.centre ) ), far ) > far;
 }
 
 } // namespace
@@ -259,7 +285,7 @@ bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& tou
 	{
 		return find( sphere, touch ) && sphere.reaches( touch.normal, touch.distance );
 	}
-	if ( obstacle.shape->getShapeType() == CONVEX_HULL_SHAPE_PROXYTYPE && isClearOfBox( obstacle, sphere ) )
+	if ( obstacle.shape->getShapeType() == CONVEX_HULL_SHAPE_PROXYTYPE && isClearOfHull( obstacle, sphere ) )
 	{
 		return false;
 	}
@@ -289,6 +315,20 @@ FarPlane::FarPlane( const Obstacle& plane )
 	const auto& shape = *static_cast<const btStaticPlaneShape*>( plane.shape );
 	m_normal = plane.basis * toEigen( shape.getPlaneNormal() );
 	m_constant = m_normal.dot( plane.position ) + double( shape.getPlaneConstant() );
+}
+
+bool FarPlane::areClear( const NodeState& nodes, int first, double step, double radius ) const
+{
+	using Block = Eigen::Array<float, kBlock, 1>;
+	const auto block = [first]( const AlignedArray<float>& all ) { return Eigen::Map<const Block>( all.data() + first ); };
+	const Vec3 normal = m_normal.cast<float>(), moved = normal * float( step );
+	const auto x = block( nodes.x.x ), y = block( nodes.x.y ), z = block( nodes.x.z );
+	const auto u = block( nodes.v.x ), v = block( nodes.v.y ), w = block( nodes.v.z );
+	const Block height = x * normal.x() + y * normal.y() + z * normal.z();
+	const Block rise = u * moved.x() + v * moved.y() + w * moved.z();
+	const float lowest = ( height + rise.min( 0.0f ) ).minCoeff();
+	const float size = ( x.abs() + y.abs() + z.abs() + float( step ) * ( u.abs() + v.abs() + w.abs() ) ).maxCoeff();
+	return double( lowest ) - m_constant - kBlockRounding * double( size ) > radius * kGrown;
 }
 
 BoxTouch::BoxTouch( const Obstacle& box ) :

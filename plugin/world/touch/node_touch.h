@@ -4,6 +4,7 @@
 // Everything is in double precision and relative to the soft body's origin, so that far from the world's origin nothing changes.
 
 #include "lattice/lattice.h"
+#include "matching/node_state.h"
 #include "world/constants.h"
 
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
@@ -101,6 +102,10 @@ public:
 	{
 		return m_normal.dot( centre ) - m_constant + std::min( 0.0, m_normal.dot( displacement ) ) > radius * kGrown;
 	}
+	/// True only if isClear holds for each of kBlock nodes from `first` on, displaced by their velocities in a step of length `step`, s. In
+	/// single precision, with a margin for its rounding.
+	bool areClear( const NodeState& nodes, int first, double step, double radius ) const;
+	static constexpr int kBlock = kLanes;
 
 private:
 	static const double kGrown;

@@ -82,5 +82,54 @@ TEST( RigidCrumbs, FallAsleep )
 	}
 }
 
+/// Drops a heap of 20 flat shards, or of boxes of their size, and returns the time until the last of them is asleep, s.
+double timeToSleep( bool isSoft, int seed )
+{
+	constexpr int kShards = 20, kMostFrames = 900;
+	const btVector3 halves[3] = { btVector3( 0.08f, 0.01f, 0.05f ), btVector3( 0.04f, 0.01f, 0.03f ), btVector3( 0.11f, 0.01f, 0.04f ) };
+	const std::shared_ptr<const BodyTemplate> shapes[3] = {
+		test::block( 8, 1, 5, 0.02f ), test::block( 4, 1, 3, 0.02f ), test::block( 11, 1, 4, 0.02f ) };
+	TestWorld test;
+	test.addPlane();
+	Material glass = test::stiff( 8e6f );
+	glass.density = 2500.0f;
+	glass.damping = 100.0f;
+	glass.rigidStrain = 0.1f;
+	std::vector<btCollisionObject*> shards;
+	for ( int k = 0; k < kShards; ++k )
+	{
+		const btQuaternion turn( btVector3( 1, btScalar( k % 5 ), btScalar( k % 3 ) - 1 ).normalized(), btScalar( k + seed ) );
+		const btTransform where( turn, btVector3( btScalar( k % 3 ) * 0.1f, 0.2f + 0.12f * btScalar( k ), btScalar( k % 2 ) * 0.1f ) );
+		const btVector3& half = halves[k % 3];
+		const btScalar mass = 8 * half.x() * half.y() * half.z() * btScalar( 2500 );
+		shards.push_back(
+			isSoft ? static_cast<btCollisionObject*>( test.addSoft( shapes[k % 3], where, glass ) ) : test.addBox( mass, half, where ) );
+		shards.back()->setFriction( btScalar( 0.4 ) );
+	}
+	for ( int frame = 0; frame < kMostFrames; ++frame )
+	{
+		test.run( 1 );
+		if ( std::none_of( shards.begin(), shards.end(), []( const btCollisionObject* shard ) { return shard->isActive(); } ) )
+		{
+			return double( frame ) / 60.0;
+		}
+	}
+	return kMostFrames / 60.0;
+}
+
+// A shard that crept in a heap lost a contact every few millimetres, fell by a step's gravity over the others, and hit the floor at 2
+// rad/s: these heaps took 8.2 s in the mean.
+TEST( RigidCrumbs, HeapsOfShardsFallAsleepBeforeThoseOfRigidBoxes )
+{
+	double soft = 0.0, rigid = 0.0;
+	for ( const int seed : { 1, 2, 4, 5 } )
+	{
+		soft += timeToSleep( true, seed ) / 4.0;
+		rigid += timeToSleep( false, seed ) / 4.0;
+	}
+	EXPECT_LT( soft, 6.0 );
+	EXPECT_LT( soft, rigid );
+}
+
 } // namespace
 } // namespace pliant

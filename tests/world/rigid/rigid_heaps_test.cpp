@@ -1,6 +1,8 @@
 // Bodies in their rigid state as in heaps: bent by loads, and overlapping one another.
 
 #include "body/rigid_state.h"
+#include "support/mesh_of_boxes.h"
+#include "world/bodies/obstacle_parts.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/test_world.h"
 
@@ -83,6 +85,67 @@ TEST( RigidHeaps, WhatOverlapsPartsSlowly )
 	EXPECT_TRUE( left->isRigid() && right->isRigid() );
 	EXPECT_LT( fastest, 0.4f );
 	EXPECT_GT( ( right->massCentre() - left->massCentre() ).length(), 0.29f );
+}
+
+/// Distance from a point to the nearest hull of a body in its rigid state, m; below 0 inside.
+double distanceToHulls( const SoftBody& body, const Vec3d& point )
+{
+	btSphereShape sphere( btScalar( 0.001 ) );
+	MovingSphere at;
+	at.shape = &sphere;
+	at.radius = double( sphere.getRadius() );
+	at.centre = point;
+	Obstacle hulls;
+	hulls.shape = body.getCollisionShape();
+	hulls.basis = toMatrix3d( body.getWorldTransform().getBasis() );
+	hulls.position = toVec3d( body.getWorldTransform().getOrigin() );
+	double nearest = SIMD_INFINITY;
+	visitParts( hulls, [&]( const Obstacle& hull ) {
+		Touch touch;
+		EXPECT_TRUE( findNearest( hull, at, touch ) );
+		nearest = std::min( nearest, touch.distance );
+	} );
+	return nearest;
+}
+
+TEST( RigidHulls, FollowTheMaterialOfPlatesAnglesAndBowls )
+{
+	test::MeshOfBoxes angle, bowl;
+	angle.add( btVector3( 0.6f, 0.1f, 0.3f ), btVector3( 0.6f, 0.1f, 0.3f ) );
+	angle.add( btVector3( 0.1f, 0.7f, 0.3f ), btVector3( 0.1f, 0.5f, 0.3f ) );
+	bowl.add( btVector3( 0.5f, 0.05f, 0.5f ), btVector3( 0.5f, 0.05f, 0.5f ) );
+	for ( const btScalar side : { btScalar( 0.05 ), btScalar( 0.95 ) } )
+	{
+		bowl.add( btVector3( side, 0.4f, 0.5f ), btVector3( 0.05f, 0.3f, 0.5f ) );
+		bowl.add( btVector3( 0.5f, 0.4f, side ), btVector3( 0.4f, 0.3f, 0.05f ) );
+	}
+	struct Case
+	{
+		std::shared_ptr<const BodyTemplate> shape;
+		int leastHulls, mostHulls;
+		Vec3d hollow; ///< a point far from all material, mesh coordinates
+		double clear; ///< m, between it and the hulls at least
+	};
+	const Case cases[] = { { block( 12, 1, 8, 0.1f ), 1, 1, { 0, 0.4, 0 }, 0.3 }, { angle.build( 0.1f ), 2, 6, { 0.8, 0.8, 0.3 }, 0.35 },
+		{ bowl.build( 0.1f ), 5, 24, { 0.5, 0.5, 0.5 }, 0.25 } };
+	for ( const Case& each : cases )
+	{
+		TestWorld test;
+		SoftBody* const body = test.addSoft( each.shape, at( 0, 0, 0 ), stiffRigid( 1e6f, 0.01f ) );
+		SoftBody::Impl& impl = body->impl();
+		impl.becomeRigid( *body );
+		const btCollisionShape* const shape = body->getCollisionShape();
+		const int hulls = shape->isCompound() ? static_cast<const btCompoundShape*>( shape )->getNumChildShapes() : 1;
+		EXPECT_GE( hulls, each.leastHulls );
+		EXPECT_LE( hulls, each.mostHulls );
+		const Vec3d hollow = each.hollow - impl.body->lattice().massCentre + toVec3d( body->massCentre() );
+		EXPECT_GT( distanceToHulls( *body, hollow ), each.clear ) << hulls;
+		for ( int i = 0; i < body->nodeCount(); ++i )
+		{
+			const double radius = double( impl.shape->sphereOfNode( i )->getRadius() );
+			EXPECT_LT( distanceToHulls( *body, toVec3d( body->nodePosition( i ) ) ), -0.9 * radius ) << i;
+		}
+	}
 }
 
 } // namespace
