@@ -8,6 +8,7 @@
 #include "world/respond/moved_contacts.h"
 #include "world/respond/restitution.h"
 #include "world/respond/rolling_friction.h"
+#include "world/respond/stiff_bounce.h"
 #include "world/step/kinematic_motion.h"
 #include "world/step/pass_objects.h"
 #include "world/step/soft_body_system.h"
@@ -74,6 +75,7 @@ private:
 	BulletStages::Parts m_parts;
 	RollingFriction m_rolling;
 	RestitutionCorrection m_restitution;
+	StiffBounce m_stiffBounce;
 	MovedContacts m_moved;
 	ManifoldView m_view;              ///< the manifolds of a pass
 	PassObjects<btRigidBody> m_rigid; ///< the world's full arrays, while a pass sees a part of them
