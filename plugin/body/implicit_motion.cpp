@@ -1,8 +1,12 @@
 #include "body/implicit_motion.h"
 
+#include "body/constants.h"
+#include "matching/constants.h"
 #include "matching/implicit/conjugate_gradients.h"
 #include "matching/regions/region_moments.h"
 #include "matching/step/lattice_matcher.h"
+
+#include <algorithm>
 
 namespace pliant {
 
@@ -52,6 +56,20 @@ void ImplicitMotion::raiseInertias( const Least& least, const Point& point )
 	}
 }
 
+/// Returns 0 for a body that rocks at rest, 1 for one that turns freely; smooth between the two. Bodies that are held, or in several parts,
+/// do not roll.
+double ImplicitMotion::freedomOfTurn( double length ) const
+{
+	if ( m_hasHeldNodes || parts().areSeveral() )
+	{
+		return 0.0;
+	}
+	const Vector6 motion = rigidMass().inverse() * m_freeMomentum[0];
+	const double turn = motion.tail<3>().squaredNorm() * length / kStandardGravity;
+	const double above = std::clamp( ( turn - kRockingTurn ) / ( kFreeTurn - kRockingTurn ), 0.0, 1.0 );
+	return above * above * ( 3.0 - 2.0 * above );
+}
+
 void ImplicitMotion::begin(
 	LatticeMatcher& matcher, NodeState& nodes, const float* pushed, const ImplicitStep& step, const NodePull& pull, TaskRunner* runner )
 {
@@ -64,9 +82,12 @@ void ImplicitMotion::begin(
 	raiseInertias( least, [&]( double mass ) { return least( mass ) / 3.0; } );
 
 	// Volume keeping makes the response to compression 1 + 3 kappa times that to tension: that factor is applied everywhere, for stability.
-	const float elastic = step.alpha * ( 1.0f + 3.0f * step.volumeKeeping ), sigma = step.numericalDamping;
+	const float elastic = step.alpha * ( 1.0f + 3.0f * step.volumeKeeping );
+	const float sigma = step.numericalDamping;
 	const float gamma = 0.5f * ( 1.0f + sigma );
 	m_stiffness = gamma * elastic + step.h * step.damping;
+	m_rolling = sigma > 0.0f ? double( sigma ) * freedomOfTurn( step.length ) : 0.0;
+	m_numericalPart = double( sigma * elastic / m_stiffness );
 	m_secondMoment = step.secondMoment;
 	measureArms();
 
@@ -101,6 +122,7 @@ void ImplicitMotion::beginFree( NodeState& nodes, const ConnectedParts* parts )
 	m_nodes = &nodes;
 	m_pull = nullptr; // an explicit body's nodes have been drawn already
 	m_stiffness = 0.0f;
+	m_rolling = 0.0;
 	m_rates.measureBody( nodes, parts );
 	measurePinned();
 	const auto least = []( double mass ) { return kPointInertia * mass; };

@@ -9,7 +9,8 @@
 //
 // A node drawn toward a velocity u (node_pull.h) adds m gain to its diagonal entry of A and m gain u to b.
 //
-// sigma is Material::numericalDamping, c Material::damping, alpha = E h^2 / ( rho d^2 mu ) of any size, 1 - P of StrainRates.
+// sigma is Material::numericalDamping, c Material::damping, alpha = E h^2 / ( rho d^2 mu ) of
+// any size, 1 - P of StrainRates.
 
 #include "body/node_pull.h"
 #include "matching/implicit/strain_rates.h"
@@ -38,6 +39,7 @@ struct ImplicitStep
 	float numericalDamping = 1.0f; ///< sigma
 	float volumeKeeping = 0.0f;    ///< kappa
 	double secondMoment = 0.0;     ///< of a full region, per axis and mass, m^2
+	double length = 0.0;           ///< of the rest shape, m
 };
 
 class ImplicitMotion
@@ -61,6 +63,10 @@ public:
 	float diagonal( int node ) const;
 	bool isElastic() const { return m_stiffness > 0.0f; }
 	bool hasHeldNodes() const { return m_hasHeldNodes; }
+	/// Whether the body turns freely and is damped numerically, from 0 to 1: what a step takes from its rotation may be returned then.
+	double rolling() const { return m_rolling; }
+	/// The part sigma alpha ( 1 + 3 kappa ) / G of the operator's resistance that is numerical damping.
+	double numericalPart() const { return m_numericalPart; }
 
 	// A body whose cells form several parts moves as so many: the following refers to one of them, or to the whole body where it is in one.
 	const ConnectedParts& parts() const { return m_rates.parts(); }
@@ -96,6 +102,7 @@ public:
 
 private:
 	void measurePinned();
+	double freedomOfTurn( double length ) const;
 	float gainOf( int node ) const { return m_pull ? m_pull->gain[std::size_t( node )] : 0.0f; }
 	void measureArms();
 	void addPinned( Matrix12& matrix, int part ) const;
@@ -111,6 +118,7 @@ private:
 	double m_secondMoment = 0.0; ///< of a full region, per axis and mass, m^2
 	float m_stiffness = 0.0f;    ///< G
 	bool m_hasHeldNodes = false;
+	double m_rolling = 0.0, m_numericalPart = 0.0;
 	std::vector<char> m_isHeld;              ///< of each part
 	std::vector<Vector6> m_freeMomentum;     ///< of each part with the velocities of free flight, v*
 	std::vector<Eigen::Matrix3d> m_inertias; ///< of each part, kg m^2; with a minimum

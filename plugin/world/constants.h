@@ -136,6 +136,11 @@ inline constexpr double kBounceShare = 0.5;
 
 /// Energy added by an implicit block's contacts, relative to all they transfer, that counts as rounding error; ends that iteration too.
 inline constexpr double kBounceSlack = 1e-4;
+/// The normal impulses of a rolling body's contacts are changed by at most this fraction, so that all of them still press.
+inline constexpr double kMostRollingShift = 0.9;
+/// A contact whose friction is below this fraction of its limit sticks.
+inline constexpr double kStickingFriction = 0.95;
+
 /// A step resolves a body's own vibrations while sound travels at most this fraction of the body's size in it: an impact on a heavy object
 /// then takes some 20 steps. From the whole size on the impact is over within a step, and restitution alone makes it rebound.
 inline constexpr double kResolvedTravel = 0.25;

@@ -258,6 +258,7 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 	solveLaw( count );
 	limitEnergy( count );
 	completeBounce();
+	keepRolling();
 	carryImpulses();
 	readSolution();
 	restoreMomentum();

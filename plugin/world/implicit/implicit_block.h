@@ -334,6 +334,16 @@ private:
 	/// Adds to `velocity` the rigid motions of soft parts and rigid bodies with the momentum `momentum`.
 	void addRigidMotions( const float* momentum, float* velocity ) const;
 	void completeBounce();
+	/// Sets m_bounced to the velocities of the rigid motions that are contained in m_v.
+	void fillRigidMotions();
+	/// Whether nothing but contacts moves the bodies of the block, and all soft ones step implicitly.
+	bool movesFreely() const;
+	void keepRolling();
+	void keepRolling( int index );
+	void shiftRolling( double energy, double work, double mean, double most );
+	/// Returns the energy that the contacts in m_rolling and numerical damping take from a part, J.
+	double energyTaken( const SoftPart& part ) const;
+	Vec3d velocityOfCentre( const SoftPart& part, const float* v ) const;
 
 	// In implicit_momentum.cpp.
 	void restoreMomentum();
@@ -356,6 +366,7 @@ private:
 	AlignedArray<float> m_v, m_next, m_rightSide, m_scratch;
 	AlignedArray<float> m_free, m_freeNext; ///< b - A v at m_v and at m_next, without contacts
 	AlignedArray<float> m_bounced;          ///< velocities with full restitution, of rigid motions; scratch of implicit_restitution.cpp
+	std::vector<std::size_t> m_rolling;     ///< contacts of a rolling body that press; scratch of keepRolling
 	std::vector<ContactImpulse> m_bouncedImpulses; ///< by contact, with full restitution; scratch of reduceBounce
 	AlignedArray<float> m_massProduct;             ///< the last product without contacts
 	AlignedArray<float> m_inverseDiagonal;         ///< 1 / A_ii of the soft parts' nodes, at the index of their first component

@@ -334,6 +334,10 @@ void WorldStep::solve( btContactSolverInfo& info )
 		frictionTorque.aim( dispatcher );
 		bodies.giveFrames( info.m_timeStep );
 	}
+	if ( m_isStepping )
+	{
+		m_stiffBounce.note( dispatcher, bodies.bodies() );
+	}
 	if ( m_moved.hasRestitution() && m_isStepping )
 	{
 		m_restitution.aim( dispatcher, info );
@@ -350,6 +354,10 @@ void WorldStep::solve( btContactSolverInfo& info )
 	}
 	m_moved.moveBack();
 	bodies.readBack();
+	if ( m_isStepping )
+	{
+		m_stiffBounce.apply( info );
+	}
 	bodies.readFrames( info.m_timeStep );
 	if ( m_moved.hasRollingFriction() )
 	{
@@ -361,6 +369,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 	{
 		m_impulses.add( dispatcher );
 	}
+	m_stiffBounce.restore();
 }
 
 void WorldStep::integrate( btScalar h )

@@ -8,6 +8,7 @@
 #include "world/respond/moved_contacts.h"
 #include "world/respond/restitution.h"
 #include "world/respond/rolling_friction.h"
+#include "world/respond/stiff_bounce.h"
 #include "world/rigid/lost_contacts.h"
 #include "world/step/kinematic_motion.h"
 #include "world/step/pass_objects.h"
@@ -75,6 +76,7 @@ private:
 	BulletStages::Parts m_parts;
 	RollingFriction m_rolling;
 	RestitutionCorrection m_restitution;
+	StiffBounce m_stiffBounce;
 	MovedContacts m_moved;
 	ManifoldView m_view;              ///< the manifolds of a pass
 	PassObjects<btRigidBody> m_rigid; ///< the world's full arrays, while a pass sees a part of them

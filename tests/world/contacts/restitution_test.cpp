@@ -251,5 +251,69 @@ TEST( Rebound, OfAStiffBallIsThatOfItsRestitution )
 	}
 }
 
+// The explicit step softens the ball to what it reaches; by that elasticity it rebounded to .92 to .87 of the height, whatever its
+// restitution.
+TEST( Rebound, OfAStiffExplicitBallIsThatOfItsRestitution )
+{
+	const Material material = test::stiff( 1e8f );
+	for ( const double height : { 0.5, 1.0, 1.6 } )
+	{
+		for ( const double restitution : kRestitutions )
+		{
+			const double ratio = rebound( material, restitution, height );
+			std::printf( "E 1e8 Pa, explicit, %.1f m, restitution %.1f: %.3f\n", height, restitution, ratio );
+			EXPECT_NEAR( ratio, restitution * restitution, 0.1 * restitution * restitution + 5e-3 );
+		}
+	}
+}
+
+/// Returns the velocity, m/s, and the angular velocity, rad/s, of a stiff explicit ball, or a rigid one, after it has bounced obliquely
+/// off an object of `mass`, kg (0: static).
+std::pair<btVector3, btVector3> obliqueBounce( bool isRigid, double mass )
+{
+	constexpr float kRadius = 0.3f;
+	TestWorld t;
+	t.world.setGravity( btVector3( 0, 0, 0 ) );
+	btRigidBody* const floor = t.addBox( btScalar( mass ), btVector3( 1, 1, 1 ), at( 0, -1, 0 ) );
+	floor->setRestitution( 1 );
+	floor->setFriction( 1 );
+	const auto start = at( 0, kRadius + btScalar( 0.02 ), 0 );
+	LatticeSettings settings;
+	settings.cellSize = 0.06f;
+	SoftBody* const ball = isRigid
+		? nullptr
+		: t.addSoft( BodyTemplate::build( test::makeSphere( kRadius, 40, 80 ).view(), settings ).value, start, test::stiff( 1e8f ) );
+	btRigidBody* const twin = isRigid ? t.add( btScalar( 113 ), new btSphereShape( btScalar( kRadius ) ), start ) : nullptr;
+	btCollisionObject* const object = ball ? static_cast<btCollisionObject*>( ball ) : twin;
+	object->setRestitution( btScalar( 0.5 ) );
+	object->setFriction( btScalar( 0.3 ) );
+	const btVector3 velocity( 1, -4, 0 );
+	if ( ball )
+	{
+		EXPECT_TRUE( ball->setVelocities( velocity, btVector3( 0, 0, 0 ) ).ok() );
+	}
+	else
+	{
+		twin->setLinearVelocity( velocity );
+	}
+	t.run( 12 );
+	return ball ? std::pair( ball->linearVelocity(), ball->angularVelocity() )
+				: std::pair( twin->getLinearVelocity(), twin->getAngularVelocity() );
+}
+
+TEST( Rebound, OfAStiffExplicitBallIsThatOfItsRigidTwin )
+{
+	for ( const double mass : { 0.0, 500.0 } )
+	{
+		const auto [velocity, turn] = obliqueBounce( false, mass );
+		const auto [rigidVelocity, rigidTurn] = obliqueBounce( true, mass );
+		std::printf( "off %.0f kg: (%.3f, %.3f) m/s and %.3f rad/s, the rigid twin (%.3f, %.3f) and %.3f\n", mass, double( velocity.x() ),
+			double( velocity.y() ), double( turn.z() ), double( rigidVelocity.x() ), double( rigidVelocity.y() ), double( rigidTurn.z() ) );
+		EXPECT_NEAR( velocity.y(), rigidVelocity.y(), btScalar( 0.2 ) );
+		EXPECT_NEAR( velocity.x(), rigidVelocity.x(), btScalar( 0.1 ) );
+		EXPECT_NEAR( turn.z(), rigidTurn.z(), btScalar( 0.4 ) );
+	}
+}
+
 } // namespace
 } // namespace pliant
