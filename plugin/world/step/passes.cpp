@@ -4,6 +4,7 @@
 
 #include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/detect/pair_contacts.h"
 #include "world/rigid/lost_contacts.h"
 
 #include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
