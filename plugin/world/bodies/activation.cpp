@@ -53,6 +53,30 @@ bool hasStayed( SoftBody::Impl& impl, double displacement )
 	return false;
 }
 
+/// The same for a body in its rigid state, of three points on it at the distance `reach` from its centre of mass.
+bool hasStayed( SoftBody::Impl& impl, const RigidMotion& motion, double reach, double displacement )
+{
+	RestPositions& rest = impl.rest;
+	const Eigen::Matrix3d axes = reach * motion.rotation.toRotationMatrix();
+	bool areNear = rest.positions.size() == 3 && rest.numbering == impl.numbering;
+	for ( int k = 0; areNear && k < 3; ++k )
+	{
+		const Vec3d away = motion.centre - rest.origin + axes.col( k ) - rest.positions[std::size_t( k )].cast<double>();
+		areNear = away.squaredNorm() <= displacement * displacement;
+	}
+	if ( !areNear )
+	{
+		rest.positions.resize( 3 );
+		for ( int k = 0; k < 3; ++k )
+		{
+			rest.positions[std::size_t( k )] = axes.col( k ).cast<float>();
+		}
+		rest.origin = motion.centre;
+		rest.numbering = impl.numbering;
+	}
+	return areNear;
+}
+
 /// Returns the mass-weighted mean of | v |^2, m^2/s^2; for a body of several connected parts that of the fastest part, since one that falls
 /// among a thousand at rest is not at rest.
 double largestMeanSquareSpeed( const SoftBody::Impl& impl )
@@ -83,14 +107,19 @@ double largestMeanSquareSpeed( const SoftBody::Impl& impl )
 /// Returns true if the body's deactivation timer may run.
 bool isAtRest( SoftBody::Impl& impl, double gravity )
 {
-	if ( impl.rigidProxy ) // as Bullet's rigid bodies, but small bodies may rotate faster
+	// As Bullet's rigid bodies, but small bodies may rotate faster, and bodies that stay may be pushed: a shard in a heap loses one of
+	// Bullet's contacts and is hit by the next every few seconds.
+	if ( impl.rigidProxy )
 	{
 		const RigidMotion& motion = impl.body->rigidState()->motion;
 		btVector3 centre;
 		btScalar radius;
 		impl.rigidProxy->getCollisionShape()->getBoundingSphere( centre, radius );
 		const double turn = std::max( double( impl.rigidProxy->getAngularSleepingThreshold() ), kSleepTurn / double( radius ) );
-		return motion.velocity.norm() < double( impl.rigidProxy->getLinearSleepingThreshold() ) && motion.angularVelocity.norm() < turn;
+		const bool isSlow = motion.velocity.norm() < double( impl.rigidProxy->getLinearSleepingThreshold() ) &&
+			motion.angularVelocity.norm() < turn;
+		const double displacement = kHeldDisplacement * double( impl.shape->smallestRadius() );
+		return hasStayed( impl, motion, double( radius ), displacement ) || isSlow;
 	}
 	const bool isHeld = !impl.pins.empty() && impl.body->material().rigidStrain > 0.0f; // a pinned body does not drift
 	const double radius = double( impl.shape->smallestRadius() );
