@@ -2,6 +2,7 @@
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
+#include "world/detect/pair_contacts.h"
 #include "world/step/soft_body_system.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
@@ -217,10 +218,9 @@ void SoftBodySystem::wakeTouching( const SoftBody& body )
 		const btCollisionObject* side[2] = { manifold.getBody0(), manifold.getBody1() };
 		for ( int k = 0; k < 2 && manifold.getNumContacts() > 0; ++k )
 		{
-			if ( ownerOfContactProxy( side[k] ) == &body )
+			if ( &ownerOf( *side[k] ) == &body )
 			{
-				SoftBody* const other = ownerOfContactProxy( side[1 - k] );
-				const_cast<btCollisionObject*>( other ? other : side[1 - k] )->activate();
+				ownerOf( *side[1 - k] ).activate();
 			}
 		}
 	}

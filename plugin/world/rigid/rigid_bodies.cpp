@@ -145,8 +145,8 @@ void SoftBodySystem::deform( SoftBody& body )
 	body.impl().becomeDeformable( body );
 }
 
-// Contacts that end wake both sides, as those of objects that are removed. This body stays where it is: the objects that it touches keep
-// their states of activation and the time for which they have been at rest, and so does the body.
+// Contacts that end wake both sides, as those of objects that are removed. This body stays where it is for now: objects that are awake keep
+// the time for which they have been at rest, and so does the body. Those that sleep do wake: it may be about to fall.
 void SoftBodySystem::removeContacts( SoftBody& body )
 {
 	btBroadphaseProxy* const proxy = body.getBroadphaseHandle();
@@ -155,11 +155,14 @@ void SoftBodySystem::removeContacts( SoftBody& body )
 		return;
 	}
 	m_restStates.clear();
-	m_restStates.push_back( RestState{ &body, body.getActivationState(), body.getDeactivationTime() } );
+	const auto note = [this]( btCollisionObject& object ) {
+		object.isActive() ? m_restStates.push_back( RestState{ &object, object.getActivationState(), object.getDeactivationTime() } )
+						  : void();
+	};
+	note( body );
 	forEachManifold( m_dispatcher, prefetchEnd, [&]( const btPersistentManifold& manifold ) {
 		btCollisionObject &first = ownerOf( *manifold.getBody0() ), &second = ownerOf( *manifold.getBody1() );
-		btCollisionObject* const other = &first == &body ? &second : &second == &body ? &first : nullptr;
-		other ? m_restStates.push_back( RestState{ other, other->getActivationState(), other->getDeactivationTime() } ) : void();
+		&first == &body ? note( second ) : &second == &body ? note( first ) : void();
 	} );
 	m_world.getPairCache()->cleanProxyFromPairs( proxy, &m_dispatcher );
 	m_world.updateSingleAabb( &body );

@@ -106,6 +106,10 @@ void WorldStep::remove( btCollisionObject* object )
 		return;
 	}
 	bodies.updateWorldIndex( *soft );
+	if ( soft->impl().rigidProxy )
+	{
+		bodies.wakeTouching( *soft ); // contacts of nodes do this when they end
+	}
 	// Predictive contacts may still refer to its nodes, so they are released first. The pair cache then frees the algorithms with their
 	// manifolds and contact proxies.
 	m_stages.releasePredictiveContacts();

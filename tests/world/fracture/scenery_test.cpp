@@ -161,5 +161,93 @@ TEST( Scenery, IsPartOfASnapshot )
 	EXPECT_EQ( heap.awake(), 0 );
 }
 
+/// A bridge between two abutments, to which both ends are pinned, with a rigid crate and a soft one on it; all of them sleep.
+struct Bridge
+{
+	TestWorld test;
+	SoftBody* bridge = nullptr;
+	btRigidBody* crate = nullptr;
+	SoftBody* soft = nullptr;
+
+	Bridge()
+	{
+		test.add( 0, new btStaticPlaneShape( btVector3( 0, 1, 0 ), 0 ), at( 0, 0, 0 ) );
+		Material material = stiff( 2e7f );
+		material.rigidStrain = 0.005f;
+		bridge = test.addSoft( block( 16, 2, 4, 0.1f ), at( 0, 1, 0 ), material );
+		const int west = bridge->pinNodesInside( btVector3( -1, 0, -1 ), btVector3( btScalar( -0.6 ), 2, 1 ) );
+		const int east = bridge->pinNodesInside( btVector3( btScalar( 0.6 ), 0, -1 ), btVector3( 1, 2, 1 ) );
+		EXPECT_EQ( west, 16 );
+		EXPECT_EQ( east, 16 );
+		crate = test.addBox(
+			5, btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ), at( btScalar( -0.15 ), btScalar( 1.2 ), 0 ) );
+		soft = test.addSoft( block( 3, 3, 3, 0.08f ), at( btScalar( 0.2 ), btScalar( 1.22 ), 0 ), stiff( 1e5f ) );
+		test.run( 400 );
+	}
+	/// Through the bridge, at a position along it.
+	int cutAt( btScalar x ) { return bridge->cutPlane( btVector3( x, 1, 0 ), btVector3( 1, 0, 0 ) ); }
+	bool sleeps() const { return !bridge->isActive() && !crate->isActive() && !soft->isActive(); }
+	btScalar lowest() const { return btMin( crate->getCenterOfMassPosition().y(), soft->massCentre().y() ); }
+};
+
+// What stands on what: nothing falls while one support is left, and all of it when the last one goes, sleeping bodies too.
+TEST( Supports, ABridgeFallsWithItsLoadWhenTheLastSupportGoes )
+{
+	Bridge b;
+	ASSERT_TRUE( b.sleeps() );
+	ASSERT_TRUE( b.bridge->isRigid() );
+	EXPECT_GT( b.lowest(), 1.15 );
+	ASSERT_GT( b.cutAt( btScalar( 0.45 ) ), 0 );
+	b.test.run( 400 );
+	EXPECT_EQ( b.test.world.softBodyCount(), 3 );
+	EXPECT_GT( b.lowest(), 1.1 ) << "it is a cantilever now";
+	EXPECT_TRUE( b.sleeps() );
+	ASSERT_GT( b.cutAt( btScalar( -0.45 ) ), 0 );
+	b.test.run( 90 );
+	EXPECT_EQ( b.test.world.softBodyCount(), 4 );
+	EXPECT_LT( b.crate->getCenterOfMassPosition().y(), 0.6 );
+	EXPECT_LT( b.soft->massCentre().y(), 0.6 );
+	b.test.run( 600 );
+	EXPECT_TRUE( b.sleeps() );
+}
+
+// A game takes the bridge away under a sleeping load.
+TEST( Supports, AHeldBodyThatIsRemovedWakesItsLoad )
+{
+	Bridge b;
+	ASSERT_TRUE( b.sleeps() );
+	b.test.world.removeSoftBody( b.bridge );
+	b.test.run( 60 );
+	EXPECT_LT( b.crate->getCenterOfMassPosition().y(), 0.3 );
+	EXPECT_LT( b.soft->massCentre().y(), 0.3 );
+}
+
+// So does scenery that is made dynamic again and thrown away.
+TEST( Supports, SceneryThatMovesAgainWakesItsLoad )
+{
+	Heap heap( 0.5f );
+	heap.run( 720 );
+	btVector3 middle( 0, 0, 0 );
+	for ( SoftBody* piece : heap.pieces() )
+	{
+		middle += piece->massCentre() / btScalar( heap.pieces().size() );
+	}
+	// A plate over the middle of the heap.
+	btRigidBody* const plate = heap.test.add( 20, new btBoxShape( btVector3( 2, btScalar( 0.1 ), 2 ) ),
+		btTransform( btQuaternion::getIdentity(), btVector3( middle.x(), btScalar( 0.7 ), middle.z() ) ) );
+	heap.run( 300 );
+	ASSERT_FALSE( plate->isActive() );
+	const btScalar height = plate->getCenterOfMassPosition().y();
+	ASSERT_GT( height, 0.2 );
+	for ( SoftBody* piece : heap.pieces() )
+	{
+		piece->setCollisionFlags( piece->getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT );
+		EXPECT_TRUE( piece->applyCentralImpulse( piece->mass() * btVector3( 8, 1, 0 ) ).ok() );
+	}
+	heap.run( 10 );
+	EXPECT_TRUE( plate->isActive() );
+	EXPECT_NE( plate->getCenterOfMassPosition().y(), height );
+}
+
 } // namespace
 } // namespace pliant
