@@ -49,6 +49,20 @@ bool isHeld( const SoftBody& body )
 	return state && state->isHeld;
 }
 
+// A held body is static to others: a body that stays awake on it does not keep it awake.
+TEST( HeldBodies, AShelfSleepsUnderABodyThatStaysAwake )
+{
+	TestWorld test;
+	SoftBody* const shelf = addShelf( test );
+	test.run( 60 );
+	btRigidBody* const box = test.addBox( btScalar( 0.5 ), btVector3( 0.1f, 0.1f, 0.1f ), at( -0.2f, 1.197f, 0 ) );
+	box->setActivationState( DISABLE_DEACTIVATION );
+	test.run( 300 );
+	EXPECT_FALSE( shelf->isActive() );
+	EXPECT_TRUE( shelf->isRigid() );
+	EXPECT_NEAR( box->getCenterOfMassPosition().y(), 1.2, 0.02 );
+}
+
 TEST( HeldBodies, AShelfAndItsLoadFallAsleepAsOnARigidShelf )
 {
 	btScalar height[2];
