@@ -9,8 +9,7 @@
 //
 // A node drawn toward a velocity u (node_pull.h) adds m gain to its diagonal entry of A and m gain u to b.
 //
-// sigma is Material::numericalDamping, c Material::damping, alpha = E h^2 / ( rho d^2 mu ) of
-// any size, 1 - P of StrainRates.
+// sigma is Material::numericalDamping, c Material::damping, alpha = E h^2 / ( rho d^2 mu ) of any size, 1 - P of StrainRates.
 
 #include "body/node_pull.h"
 #include "matching/implicit/strain_rates.h"
