@@ -4,7 +4,6 @@
 
 #include "demos/stage.h"
 
-#include <pliant/contact_solver.h>
 #include <pliant/soft_body_world_over.h>
 
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
@@ -27,7 +26,7 @@ Stage::Stage( const StageOptions& options, std::string name, StageWorld kind ) :
 	}
 	else
 	{
-		m_solver = std::make_unique<pliant::ContactSolver>();
+		m_solver = std::make_unique<btSequentialImpulseConstraintSolver>();
 		auto world = std::make_unique<pliant::SoftBodyWorld>(
 			m_dispatcher.get(), m_broadphase.get(), m_solver.get(), m_configuration.get() );
 		m_host = m_plain = world.get();

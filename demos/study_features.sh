@@ -18,7 +18,7 @@ while [ $# -gt 0 ]; do
 		*) sed -n '2,/^set /p' "${BASH_SOURCE[0]}" | sed -n 's/^# \{0,1\}//p'; exit 0 ;;
 	esac
 done
-features=( FRACTURE LEVELS PLASTICITY IMPLICIT SURFACE FAR_LEVELS CLUSTERS SELF_COLLISION )
+features=( FRACTURE LEVELS PLASTICITY SURFACE FAR_LEVELS CLUSTERS SELF_COLLISION )
 readonly features plain=0 without_skin=1 # numbers of the cases to compare with
 
 "$root/third_party_glue/install_packages.sh" "${build_packages[@]}" "${demo_packages[@]}" valgrind binutils

@@ -127,6 +127,7 @@ void ImplicitMotion::beginFree( NodeState& nodes, const ConnectedParts* parts )
 	measurePinned();
 	const auto least = []( double mass ) { return kPointInertia * mass; };
 	raiseInertias( least, least );
+	measureArms();
 	m_rightSide.resize( std::size_t( size() ) );
 	copyVelocities( m_rightSide.data() );
 	for ( int k = 0; k < size(); ++k )

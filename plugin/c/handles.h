@@ -9,7 +9,6 @@
 #include "pliant/body_template.h"
 #include "pliant/c/body.h"
 #include "pliant/c/types.h"
-#include "pliant/contact_solver.h"
 #include "pliant/soft_body_world.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
@@ -51,7 +50,7 @@ struct WholeWorld
 	btDefaultCollisionConfiguration configuration;
 	btCollisionDispatcher dispatcher{ &configuration };
 	btDbvtBroadphase broadphase;
-	ContactSolver solver;
+	btSequentialImpulseConstraintSolver solver;
 	SoftBodyWorld world{ &dispatcher, &broadphase, &solver, &configuration };
 };
 

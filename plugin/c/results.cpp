@@ -23,10 +23,9 @@ static_assert( int( ResultCode::Ok ) == PLIANT_OK && int( ResultCode::EmptyMesh 
 	int( ResultCode::BadArgument ) == PLIANT_BAD_ARGUMENT && int( ResultCode::TooFolded ) == PLIANT_TOO_FOLDED &&
 	int( ResultCode::BadSnapshot ) == PLIANT_BAD_SNAPSHOT );
 static_assert( int( Feature::Fracture ) == PLIANT_FEATURE_FRACTURE && int( Feature::Levels ) == PLIANT_FEATURE_LEVELS &&
-	int( Feature::Plasticity ) == PLIANT_FEATURE_PLASTICITY && int( Feature::Implicit ) == PLIANT_FEATURE_IMPLICIT &&
-	int( Feature::Surface ) == PLIANT_FEATURE_SURFACE && int( Feature::FarLevels ) == PLIANT_FEATURE_FAR_LEVELS &&
-	int( Feature::Clusters ) == PLIANT_FEATURE_CLUSTERS && int( Feature::SelfCollision ) == PLIANT_FEATURE_SELF_COLLISION &&
-	kFeatureCount == PLIANT_FEATURE_SELF_COLLISION + 1 );
+	int( Feature::Plasticity ) == PLIANT_FEATURE_PLASTICITY && int( Feature::Surface ) == PLIANT_FEATURE_SURFACE &&
+	int( Feature::FarLevels ) == PLIANT_FEATURE_FAR_LEVELS && int( Feature::Clusters ) == PLIANT_FEATURE_CLUSTERS &&
+	int( Feature::SelfCollision ) == PLIANT_FEATURE_SELF_COLLISION && kFeatureCount == PLIANT_FEATURE_SELF_COLLISION + 1 );
 
 } // namespace
 

@@ -119,7 +119,7 @@ Status checkBuild( const Material& material )
 		bool isUsed;
 		Feature feature;
 	} features[] = { { material.method != Method::Lattice, Feature::Clusters }, { material.yieldStrain > 0.0f, Feature::Plasticity },
-		{ material.farLevels > 0, Feature::FarLevels }, { material.elasticity == Elasticity::Implicit, Feature::Implicit } };
+		{ material.farLevels > 0, Feature::FarLevels } };
 	for ( const auto& [isUsed, feature] : features )
 	{
 		if ( Status status = isUsed ? requireFeature( feature ) : Status{}; !status.ok() )
@@ -230,7 +230,7 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 	const double alpha = material.youngsModulus / modulusPerAlpha, largest = largestAlpha( material );
 	const bool isOutOfReach = alpha > largest * ( 1.0 + kAlphaSlack );
 	if ( material.elasticity == Elasticity::Implicit ||
-		( material.elasticity == Elasticity::Automatic && isOutOfReach && material.farLevels == 0 && hasFeature( Feature::Implicit ) ) )
+		( material.elasticity == Elasticity::Automatic && isOutOfReach && material.farLevels == 0 ) )
 	{
 		plan.alpha = float( alpha );
 		plan.reachedModulus = material.youngsModulus;

@@ -134,6 +134,10 @@ inline constexpr double kLeastBounceStep = 1e-4;
 inline constexpr double kMostBounceRaise = 0.25;
 inline constexpr double kBounceShare = 0.5;
 
+/// An explicit body that is simulated with less than this fraction of its Young's modulus rebounds by restitution, others by their
+/// elasticity. There is no mean of the two: a body that is stopped half-way rebounds by neither.
+inline constexpr float kRestitutionReach = 0.5f;
+
 /// Energy added by an implicit block's contacts, relative to all they transfer, that counts as rounding error; ends that iteration too.
 inline constexpr double kBounceSlack = 1e-4;
 /// The normal impulses of a rolling body's contacts are changed by at most this fraction, so that all of them still press.

@@ -4,7 +4,6 @@
 #include "bench_pile.h"
 
 #include <benchmark/benchmark.h>
-#include <pliant/contact_solver.h>
 
 #include <algorithm>
 #include <chrono>
@@ -21,8 +20,7 @@ double secondsSince( Clock::time_point start )
 }
 
 /// Islands and solver: from the first call that solveConstraints makes to the last.
-template <class Solver>
-class TimedSolver : public Solver
+class TimedSolver : public btSequentialImpulseConstraintSolver
 {
 public:
 	double seconds = 0.0;
@@ -30,11 +28,11 @@ public:
 	void prepareSolve( int bodies, int manifolds ) override
 	{
 		m_start = Clock::now();
-		Solver::prepareSolve( bodies, manifolds );
+		btSequentialImpulseConstraintSolver::prepareSolve( bodies, manifolds );
 	}
 	void allSolved( const btContactSolverInfo& info, btIDebugDraw* drawer ) override
 	{
-		Solver::allSolved( info, drawer );
+		btSequentialImpulseConstraintSolver::allSolved( info, drawer );
 		seconds += secondsSince( m_start );
 	}
 
@@ -62,11 +60,10 @@ double median( std::vector<double>& values )
 	return values[values.size() / 2];
 }
 
-template <class Solver>
-void measurePile( benchmark::State& state )
+void pileContacts( benchmark::State& state )
 {
 	test::SoftWorld scene;
-	TimedSolver<Solver> solver;
+	TimedSolver solver;
 	scene.world.setConstraintSolver( &solver );
 	double pairs = 0.0;
 	softPairSeconds = &pairs;
@@ -94,18 +91,7 @@ void measurePile( benchmark::State& state )
 	softPairSeconds = nullptr;
 }
 
-void pileContacts( benchmark::State& state )
-{
-	measurePile<ContactSolver>( state );
-}
 BENCHMARK( pileContacts )->Iterations( 200 )->Unit( benchmark::kMillisecond );
-
-/// The same, bit for bit, with Bullet's own solver.
-void bulletsPileContacts( benchmark::State& state )
-{
-	measurePile<btSequentialImpulseConstraintSolver>( state );
-}
-BENCHMARK( bulletsPileContacts )->Iterations( 200 )->Unit( benchmark::kMillisecond );
 
 } // namespace
 } // namespace pliant

@@ -231,7 +231,7 @@ TEST_F( SmallHouse, StagesCalledElsewhereAreSeen )
 	}
 	put( "plugin/world/step/world_step.cpp", order );
 	EXPECT_TRUE( checkStages( tree() ).empty() ) << listOf( checkStages( tree() ) );
-	put( "plugin/world/api/a.cpp", "void a() { bodies.readBack(); }\n" );
+	put( "plugin/world/api/a.cpp", "void a() { bodies.wakeTouched(); }\n" );
 	EXPECT_EQ( checkStages( tree() ).size(), 1u );
 	put( "plugin/world/step/world_step.cpp", "" );
 	EXPECT_GT( checkStages( tree() ).size(), 20u );

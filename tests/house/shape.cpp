@@ -237,10 +237,9 @@ Complaints checkStages( const SourceTree& tree )
 	// Calls of the stages: stages of the soft bodies, stages of Bullet's world, and corrections around Bullet's solver.
 	static const std::vector<std::string> kStages = { "bodies.accelerate", "bodies.dropPredictiveContacts", "bodies.holdPredictiveContacts",
 		"bodies.collideWithThemselves", "bodies.endCollision", "bodies.releaseRefusedPairs", "m_moved.moveToNodes", "m_rolling.hide",
-		"bodies.solveImplicit", "bodies.giveFrames", "bodies.readFrames", "frictionTorque.aim", "m_restitution.aim", "m_stages.baseSolve",
-		"m_restitution.settle", "frictionTorque.sum", "bodies.noteSolved", "m_moved.moveBack", "bodies.readBack", "m_rolling.apply",
-		"m_impulses.add", "m_stages.baseIntegrate", "bodies.holdBack", "bodies.integrate", "frictionTorque.give", "bodies.testLinks",
-		"m_stages.baseUpdateActivation", "bodies.updateActivation", "bodies.endStep" };
+		"bodies.solveImplicit", "bodies.giveFrames", "bodies.readFrames", "m_stages.baseSolve", "bodies.noteSolved", "m_moved.moveBack",
+		"bodies.wakeTouched", "m_rolling.apply", "m_impulses.add", "m_stages.baseIntegrate", "bodies.holdBack", "bodies.integrate",
+		"bodies.testLinks", "m_stages.baseUpdateActivation", "bodies.updateActivation", "bodies.endStep" };
 	static const std::set<std::string> kAlsoAtTheEnd = { "bodies.dropPredictiveContacts" }; // of the world
 	const std::string order = "plugin/world/step/world_step.cpp";
 	Complaints complaints;
@@ -272,9 +271,9 @@ Complaints checkStageOrder( const SourceTree& tree )
 			"m_stages.integrate" },
 		{ "bodies.accelerate", "m_stages.basePredict", "m_stages.baseFindPredictiveContacts", "bodies.holdPredictiveContacts",
 			"bodies.collideWithThemselves", "bodies.endCollision", "bodies.releaseRefusedPairs", "m_moved.moveToNodes",
-			"bodies.solveImplicit", "frictionTorque.aim", "m_restitution.aim", "m_stages.baseSolve", "m_restitution.settle",
-			"frictionTorque.sum", "bodies.noteSolved", "m_moved.moveBack", "bodies.readBack", "m_stages.baseIntegrate", "bodies.holdBack",
-			"bodies.integrate", "frictionTorque.give", "bodies.testLinks", "m_stages.baseUpdateActivation", "bodies.updateActivation" } };
+			"bodies.solveImplicit", "m_stages.baseSolve", "bodies.noteSolved", "m_moved.moveBack", "bodies.wakeTouched",
+			"m_stages.baseIntegrate", "bodies.holdBack", "bodies.integrate", "bodies.testLinks", "m_stages.baseUpdateActivation",
+			"bodies.updateActivation" } };
 	const std::string path = "plugin/world/step/world_step.cpp";
 	const std::vector<std::string>& lines = tree.files().at( path ).lines;
 	Complaints complaints;

@@ -13,7 +13,7 @@ set -euo pipefail
 here=$( cd "$( dirname "${BASH_SOURCE[0]}" )" && pwd )
 folder=${1:?"usage: tests/options/run.sh folder [FEATURE ... | each]"}
 shift
-all=( FRACTURE LEVELS PLASTICITY IMPLICIT SURFACE FAR_LEVELS CLUSTERS SELF_COLLISION )
+all=( FRACTURE LEVELS PLASTICITY SURFACE FAR_LEVELS CLUSTERS SELF_COLLISION )
 
 name_of() # FAR_LEVELS: FarLevels
 {

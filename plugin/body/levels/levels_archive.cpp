@@ -28,11 +28,14 @@ void Levels::archive( Archive& archive )
 	archive.sameLength( m_coarsest );
 	archive.sameLength( m_quiet );
 	archive.sameLength( m_wasRequested );
-	archive( m_pinnedLevel, m_requested );
+	std::vector<std::uint32_t> requested = m_requested; // in the order of the contacts, which no use of them depends on
+	std::sort( requested.begin(), requested.end() );
+	archive( m_pinnedLevel, requested );
 	archive.require( ( m_pinnedLevel.empty() || m_pinnedLevel.size() == cells ) && m_finestLevel >= 0 && m_finestLevel <= kMaxCoarseLevels,
 		"The levels of detail are those of another body." );
 	if ( archive.isReading() )
 	{
+		m_requested = std::move( requested );
 		m_reviewed.isKnown = false;
 	}
 }

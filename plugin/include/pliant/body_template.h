@@ -78,9 +78,8 @@ struct LatticeSettings
 	Skinning skinning = Skinning::NearbyNodes;
 
 	/// Whether objects collide with the drawn surface of the body where it is smooth, instead of with one sphere per cell: small objects
-	/// lie on it, balls roll (docs/design/contacts.md). The implicit step's solver then solves its contacts, also of a body that steps
-	/// explicitly. Crack faces are flat as the cells are. Bodies with levels of detail, edges and thin parts keep the spheres, and so do
-	/// all bodies in a build without Feature::Implicit. Takes 24 bytes per cell.
+	/// lie on it, balls roll (docs/design/contacts.md). Crack faces are flat as the cells are. Bodies with levels of detail, edges and thin
+	/// parts keep the spheres. Takes 24 bytes per cell.
 	bool contactSurface = false;
 
 	/// Shape of the crack faces. They are computed when the first body of the template may break or is cut.

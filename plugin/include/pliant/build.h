@@ -14,7 +14,6 @@ enum class Feature : int
 	Fracture,     ///< breaking and cutting: Fracture with a rule, SoftBody::cutPlane, cutSphere and cutSweep
 	Levels,       ///< levels of detail: Adaptivity::coarseLevels
 	Plasticity,   ///< Material::yieldStrain
-	Implicit,     ///< Elasticity::Implicit. Without it Elasticity::Automatic always steps explicitly.
 	Surface,      ///< skins and drawn cracks. Without it templates need Skinning::None.
 	FarLevels,    ///< Material::farLevels
 	Clusters,     ///< Method::SingleCluster and Method::Clusters
@@ -22,7 +21,7 @@ enum class Feature : int
 };
 
 /// Number of features.
-constexpr int kFeatureCount = 8;
+constexpr int kFeatureCount = 7;
 
 /// True where this build has the feature; false for a value that is no Feature.
 [[nodiscard]] PLIANT_API bool hasFeature( Feature feature );

@@ -112,7 +112,7 @@ struct Material
 	/// damped by its own slowest vibration (Method::Lattice; other methods: not at all).
 	float wobbleDamping = 0.15f;
 
-	/// How elasticity is integrated in time. A build without Feature::Implicit refuses Elasticity::Implicit (BadArgument).
+	/// How elasticity is integrated in time.
 	Elasticity elasticity = Elasticity::Automatic;
 
 	/// Numerical damping of the implicit step, [0, 1]: 1 stops vibrations within a few periods at a step of 1/60 s and is the most robust;

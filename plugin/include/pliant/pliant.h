@@ -3,7 +3,6 @@
 // The headers for most programs: a world, templates of meshes, materials, bodies. The further headers, by subject:
 //
 //     pliant/soft_body_world_over.h    soft bodies in Bullet's other worlds, or in the game's own
-//     pliant/contact_solver.h          Bullet's contact solver, faster with soft bodies
 //     pliant/render/gpu_surface.h      skins for renderers that skin on the GPU
 //     pliant/render/render_mesh.h      further render meshes on a body
 //     pliant/render/vertex_attributes.h  tangents, and what vertices of cracks come from

@@ -157,7 +157,7 @@ public:
 	/// Attaches a node of a soft body, where it is now, to a rigid body or a multibody's link (btMultiBodyLinkCollider): both pull on
 	/// each other, as by a ball joint. Static and kinematic bodies hold and carry it. The attachment follows changes of levels and stays
 	/// with the piece that has the node when the body breaks; it goes when either body leaves the world. Returns its id. BadArgument for a
-	/// node that is not there, for bodies that are not in this world, and in a build without Feature::Implicit; BadSettings for `settings`.
+	/// node that is not there, and for bodies that are not in this world; BadSettings for `settings`.
 	Result<int> attach( SoftBody& body, int node, btCollisionObject& to, const AttachmentSettings& settings = {} );
 	/// The same for a world position, m, in or near the body: it moves with the nearest node and its neighbours. On bodies with levels it
 	/// is the node's centre that is held. BadArgument also for a bad number, and where the position is further from the body than a hundred

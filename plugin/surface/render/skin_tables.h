@@ -44,7 +44,7 @@ private:
 			m_ranges.clear();
 		}
 		else if ( const std::size_t common = std::min( before.size(), next.size() );
-				  before.size() != next.size() || std::memcmp( before.data(), next.data(), common * sizeof( T ) ) != 0 )
+				  before.size() != next.size() || ( common > 0 && std::memcmp( before.data(), next.data(), common * sizeof( T ) ) != 0 ) )
 		{
 			m_ranges.clear();
 			for ( std::size_t first = 0; first < next.size(); first += kStreamBlock )

@@ -16,10 +16,6 @@ namespace {
 
 Status checkAttachment( const char* call, const SoftBodySystem& bodies, const SoftBody& body, const AttachmentSettings& settings )
 {
-	if ( Status status = requireFeature( Feature::Implicit ); !status.ok() )
-	{
-		return status;
-	}
 	if ( body.impl().system != &bodies )
 	{
 		return refused( call, "the soft body is not in this world." );

@@ -68,7 +68,6 @@ bool SoftBodySystem::remove( SoftBody& body )
 	ContactProxyPool::detach( body );
 	impl.system = nullptr;
 	impl.block = -1;
-	impl.frictionTorque = -1;
 	release( body );
 	if ( m_bodies.empty() )
 	{

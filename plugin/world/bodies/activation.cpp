@@ -195,4 +195,28 @@ void SoftBodySystem::updateActivation( btScalar h )
 	}
 }
 
+void SoftBodySystem::wakeTouched()
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		const std::vector<ContactProxy*>& touched = body->impl().touched;
+		bool wakes = false;
+		for ( std::size_t k = 0; k < touched.size(); ++k )
+		{
+			ContactProxy* const proxy = touched[k];
+			ContactProxyPool::prefetchVelocity( *touched[std::min( k + kProxiesAhead, touched.size() - 1 )] );
+			wakes = wakes || ( proxy->wasAsleep && proxy->isActive() );
+			if ( !body->isActive() )
+			{
+				proxy->forceActivationState( body->getActivationState() );
+				proxy->wasAsleep = true;
+			}
+		}
+		if ( wakes )
+		{
+			body->activate();
+		}
+	}
+}
+
 } // namespace pliant

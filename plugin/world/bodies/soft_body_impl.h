@@ -175,7 +175,6 @@ struct SoftBody::Impl
 	bool isImplicit = false;        ///< takes the implicit step in this substep
 	double lastSubstep = 0.0;       ///< length of the last substep, s; 0: none yet
 	int block = -1, blockPart = -1; ///< indices in this substep's implicit solution; -1: none
-	int frictionTorque = -1;        ///< its index in FrictionTorqueCorrection; -1: none
 	bool isGuarded = false;         ///< it was fast and is near an obstacle: the tunneling guard still applies though it is slow now
 	bool isHealthy = true;
 	int stateBefore = ACTIVE_TAG; ///< activation state before quarantine
@@ -271,7 +270,7 @@ struct SoftBody::Impl
 	}
 	/// Returns true if contacts use patches of the drawn surface. The block solver solves them, since Bullet's has no contacts that are
 	/// shared by several nodes; a body that steps explicitly takes part with its masses alone.
-	bool isMetAsDrawn() const { return !body->lattice().patch.empty() && hasFeature( Feature::Implicit ) && surfaceNow().hasPatches(); }
+	bool isMetAsDrawn() const { return !body->lattice().patch.empty() && surfaceNow().hasPatches(); }
 	/// Whether a force field of its world is being called, which may not change the body. `checkTime` returns a refusal then.
 	bool isInField() const;
 	Status checkTime( const char* call ) const;

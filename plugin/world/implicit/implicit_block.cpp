@@ -36,6 +36,11 @@ Vec3d ImplicitBlock::velocityOf( const ContactSide& side, const Vec3d& normal, c
 	return Vec3d::Zero();
 }
 
+Vec3d ImplicitBlock::changeAt( const BlockContact& contact, const float* v ) const
+{
+	return velocityOf( contact.side[0], contact.normal, v ) - velocityOf( contact.side[1], contact.normal, v );
+}
+
 Vec3d ImplicitBlock::relativeVelocity( const BlockContact& contact, const float* v ) const
 {
 	return ( velocityOf( contact.side[0], contact.normal, v ) + contact.side[0].prescribedVelocity ) -
@@ -248,9 +253,19 @@ void ImplicitBlock::moved( float by )
 	}
 }
 
+bool ImplicitBlock::isIdle() const
+{
+	return contacts.empty() && rigid.empty() &&
+		std::none_of( soft.begin(), soft.end(), []( const SoftPart& part ) { return part.motion->isElastic(); } );
+}
+
 BlockCount ImplicitBlock::solve( TaskRunner* runner )
 {
 	BlockCount count;
+	if ( isIdle() )
+	{
+		return count;
+	}
 	m_runner = runner;
 	layOut();
 	reconcileTargets();
@@ -260,6 +275,7 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 	completeBounce();
 	keepRolling();
 	carryImpulses();
+	bounceAsRigid(); // the next substep starts from the impulses that stopped the nodes
 	readSolution();
 	restoreMomentum();
 	return count;

@@ -41,6 +41,7 @@ struct BlockContact
 	double target = 0.0;                  ///< b: least separation speed required, m/s
 	double targetWithoutBounce = 0.0;     ///< b without restitution, m/s
 	double friction = 0.0;                ///< mu
+	double restitution = 0.0;             ///< of the bodies' rigid motions; a node's own acts once per touch
 	bool isDrawn = false;                 ///< touches a drawn surface, whose points are shared by several nodes
 	int frictionScale = -1;               ///< index in frictionScales; -1: isotropic friction
 	btManifoldPoint* point = nullptr;     ///< null: an attachment
@@ -82,6 +83,7 @@ struct SoftPart
 	std::vector<Vec3d> angularVelocity;        ///< of each connected part, rad/s; computed on demand
 	int firstConnected = 0;                    ///< index of its first connected part in m_connected
 	double restitutionFraction = 1.0;          ///< of restitution, against heavy objects (implicit_choice.h)
+	bool bouncesAsRigid = false;               ///< simulated far softer than it is: rebounds by restitution alone
 };
 
 /// A rigid body, or a link of a multibody (moved_object.h).
@@ -144,6 +146,7 @@ public:
 	std::vector<BlockContact> contacts;
 	/// S of anisotropic friction: jt = S ( scaledMultiplier - kt ut ), symmetric, with the normal in its null space.
 	std::vector<Eigen::Matrix3d> frictionScales;
+	double bounceThreshold = 0.0; ///< approach speed from which a body rebounds, m/s
 
 	/// Computes the velocities of nodes and rigid parts and the contact impulses at the end of the substep.
 	BlockCount solve( TaskRunner* runner );
@@ -251,10 +254,14 @@ private:
 	}
 	int registerNode( int part, int node );
 	void startFrom( const SoftPart& part );
+	void startFromBefore( const SoftPart& part, int node ); ///< a node from its velocity at the start of the substep
+	bool isIdle() const;                                    ///< nothing to solve: free flight of bodies that step explicitly
 	void registerNodeBlocks();
 	void applyMasses( const float* v, float* to );
 	void listActive();
 	Vec3d velocityOf( const ContactSide& side, const Vec3d& normal, const float* v ) const;
+	/// Difference of the two sides' velocities in `v`, without prescribed ones: of a change.
+	Vec3d changeAt( const BlockContact& contact, const float* v ) const;
 	Vec3d relativeVelocity( const BlockContact& contact, const float* v ) const;
 	void addImpulse( const ContactSide& side, const Vec3d& normal, const Vec3d& impulse, float* to ) const;
 	void addPair( const BlockContact& contact, const Vec3d& impulse, float* to ) const;
@@ -338,6 +345,11 @@ private:
 	void fillRigidMotions();
 	/// Whether nothing but contacts moves the bodies of the block, and all soft ones step implicitly.
 	bool movesFreely() const;
+	bool listPressing( int index );
+	void bounceAsRigid();
+	void bounceAsRigid( const SoftPart& part, int index );
+	void rubAsRigid( const SoftPart& part, double friction );
+	void addMotion( const SoftPart& part, double factor );
 	void keepRolling();
 	void keepRolling( int index );
 	void shiftRolling( double energy, double work, double mean, double most );
@@ -366,7 +378,7 @@ private:
 	AlignedArray<float> m_v, m_next, m_rightSide, m_scratch;
 	AlignedArray<float> m_free, m_freeNext; ///< b - A v at m_v and at m_next, without contacts
 	AlignedArray<float> m_bounced;          ///< velocities with full restitution, of rigid motions; scratch of implicit_restitution.cpp
-	std::vector<std::size_t> m_rolling;     ///< contacts of a rolling body that press; scratch of keepRolling
+	std::vector<std::size_t> m_rolling;     ///< contacts of one body that press; scratch of keepRolling and bounceAsRigid
 	std::vector<ContactImpulse> m_bouncedImpulses; ///< by contact, with full restitution; scratch of reduceBounce
 	AlignedArray<float> m_massProduct;             ///< the last product without contacts
 	AlignedArray<float> m_inverseDiagonal;         ///< 1 / A_ii of the soft parts' nodes, at the index of their first component

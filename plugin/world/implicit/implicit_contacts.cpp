@@ -6,6 +6,7 @@
 #include "world/touch/round_surface.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 
@@ -229,14 +230,37 @@ double bounceVelocity( double restitution, double impact, double gap, double acc
 	return std::sqrt( std::max( 0.0, squared ) ) - half;
 }
 
+/// Depth, m, to which a contact may penetrate without being pushed out: of nodes that step explicitly, which nothing but wobble damping
+/// would bring to rest again. Characters push as far as they walk.
+double slopOf( const BlockContact& contact, const btCollisionObject* const ( &objects )[2], const ImplicitBlock& block )
+{
+	double slop = 0.0;
+	for ( int k = 0; k < 2; ++k )
+	{
+		const int soft = contact.side[k].soft;
+		if ( objects[1 - k]->getCollisionFlags() & btCollisionObject::CF_CHARACTER_OBJECT )
+		{
+			return 0.0;
+		}
+		if ( soft >= 0 && !block.soft[std::size_t( soft )].motion->isElastic() )
+		{
+			const SoftBody& owner = *block.soft[std::size_t( soft )].owner;
+			slop = std::max( slop, double( kContactSlop * owner.impl().shape->smallestRadius() ) );
+		}
+	}
+	return slop;
+}
+
 /// Sets b, the target separation speed: before touch it closes the gap within the step, in penetration it pushes out, and with restitution
 /// it bounces off the velocity at the start of the substep (implicit_restitution.cpp). `approach`: approach speed without contacts and
-/// elasticity, m/s. `rollingLag`, m/s, is added.
-void setTarget( BlockContact& contact, const btContactSolverInfo& info, double approach, double rollingLag, const ImplicitBlock& block )
+/// elasticity, m/s. `rollingLag`, m/s, is added. Penetrations to `slop`, m, remain.
+void setTarget(
+	BlockContact& contact, const btContactSolverInfo& info, double approach, double rollingLag, double slop, const ImplicitBlock& block )
 {
 	const btManifoldPoint& point = *contact.point;
 	const double h = double( info.m_timeStep ), gap = double( point.m_distance1 );
-	contact.targetWithoutBounce = gap > 0.0 ? -gap / h : std::min( -gap * double( info.m_erp2 ) / h, kPushOutSpeed );
+	contact.targetWithoutBounce = gap > 0.0 ? -gap / h
+											: std::min( std::max( -gap - slop, 0.0 ) * double( info.m_erp2 ) / h, kPushOutSpeed );
 	contact.targetWithoutBounce += rollingLag;
 	contact.target = contact.targetWithoutBounce;
 	const double impact = -contact.normal.dot( contact.velocityBefore );
@@ -307,6 +331,8 @@ void ImplicitContacts::gatherFrom(
 			continue;
 		}
 		contact.friction = double( point.m_combinedFriction );
+		contact.restitution = double(
+			point.m_appliedImpulse > 0 ? gCalculateCombinedRestitutionCallback( objects[0], objects[1] ) : point.m_combinedRestitution );
 		setFrictionScale( objects, contact, blocks[std::size_t( block )] );
 		contact.point = &point;
 		contact.normalImpulse = double( point.m_appliedImpulse );
@@ -315,7 +341,7 @@ void ImplicitContacts::gatherFrom(
 		ImplicitBlock& own = blocks[std::size_t( block )];
 		contact.velocityBefore = own.velocityBefore( contact );
 		const double rolling = contact.isDrawn ? rollingLag( nodes, contact, own, double( info.m_timeStep ) ) : 0.0;
-		setTarget( contact, info, -contact.normal.dot( own.freeVelocity( contact ) ), rolling, own );
+		setTarget( contact, info, -contact.normal.dot( own.freeVelocity( contact ) ), rolling, slopOf( contact, objects, own ), own );
 		blocks[std::size_t( block )].contacts.push_back( contact );
 		++m_count;
 	}
@@ -365,9 +391,20 @@ void ImplicitContacts::writeBack( ImplicitBlock& block )
 			continue;
 		}
 		btManifoldPoint& point = *contact.point;
-		point.m_appliedImpulse = btScalar( std::max( 0.0, contact.carried ) );
+		point.m_appliedImpulse = btScalar( std::max( 0.0, contact.normalImpulse ) );
 		point.m_appliedImpulseLateral1 = btScalar( contact.tangentImpulse.dot( toVec3d( point.m_lateralFrictionDir1 ) ) );
 		point.m_appliedImpulseLateral2 = btScalar( contact.tangentImpulse.dot( toVec3d( point.m_lateralFrictionDir2 ) ) );
+	}
+}
+
+void ImplicitContacts::carryImpulses( ImplicitBlock& block )
+{
+	for ( const BlockContact& contact : block.contacts )
+	{
+		if ( !contact.isAttachment() )
+		{
+			contact.point->m_appliedImpulse = btScalar( std::max( 0.0, contact.carried ) );
+		}
 	}
 }
 

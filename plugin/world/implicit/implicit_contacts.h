@@ -48,6 +48,8 @@ public:
 	static void storeForces( const ImplicitBlock& block, Attachments& attachments );
 	/// Writes the impulses to the contact points.
 	static void writeBack( ImplicitBlock& block );
+	/// Writes the impulses that the next substep starts from.
+	static void carryImpulses( ImplicitBlock& block );
 	/// Makes the hidden manifolds visible to Bullet again.
 	void unhide();
 	int count() const { return m_count; }

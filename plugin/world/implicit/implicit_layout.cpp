@@ -75,11 +75,12 @@ void ImplicitBlock::listConnected()
 
 // The initial guess is the velocities at the start of the substep; held nodes keep their prescribed ones. A body without contacts and held
 // nodes starts from the velocities of free flight, which solve the system if it is not strained. So does each connected part without
-// contacts and held nodes.
+// contacts and held nodes, and each node without contacts of a body that steps explicitly.
 void ImplicitBlock::startFrom( const SoftPart& part )
 {
 	const int padded = part.motion->padded();
-	const Vec3Array& start = contacts.empty() && !part.motion->hasHeldNodes() ? part.motion->nodes().v : *part.velocityBefore;
+	const bool isFree = !part.motion->isElastic() || ( contacts.empty() && !part.motion->hasHeldNodes() );
+	const Vec3Array& start = isFree ? part.motion->nodes().v : *part.velocityBefore;
 	const AlignedArray<float>* const from[3] = { &start.x, &start.y, &start.z };
 	for ( int k = 0; k < 3; ++k )
 	{
@@ -105,6 +106,15 @@ void ImplicitBlock::startFrom( const SoftPart& part )
 	}
 }
 
+void ImplicitBlock::startFromBefore( const SoftPart& part, int node )
+{
+	const Vec3 before = part.velocityBefore->get( node );
+	for ( int k = 0; part.motion->nodes().freedom[node] != 0.0f && k < 3; ++k )
+	{
+		m_v[std::size_t( part.offset + k * part.motion->padded() + node )] = before[k];
+	}
+}
+
 void ImplicitBlock::registerNodeBlocks()
 {
 	std::for_each(
@@ -123,6 +133,7 @@ void ImplicitBlock::registerNodeBlocks()
 			for ( int j = 0; j < side.shared.count; ++j )
 			{
 				side.block[j] = registerNode( side.soft, side.shared.node[j] );
+				startFromBefore( soft[std::size_t( side.soft )], side.shared.node[j] );
 			}
 		}
 		assignClusters( contact );

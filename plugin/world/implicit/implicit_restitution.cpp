@@ -1,10 +1,10 @@
 // Keeps restitution in an implicit block from adding energy.
 //
 // With the block's A as the mass matrix the step is a leapfrog step, and an impulse P changes its energy by P . ( u' + u ) / 2, where u is
-// the velocity at the start of the substep (restitution.cpp): by nothing where all contacts rebound with restitution 1. Contacts that push
-// out of penetration, or are driven into something while they separate, may gain more than the others lose. Impulses scaled by s do the
-// work s W - s ( 1 - s ) K, K = P . A^-1 P / 2: this takes one more system, solved only where W is above zero. Where s would be too small
-// to stop the approaching bodies, only the bounce is reduced.
+// the velocity at the start of the substep (docs/design/contacts.md, Restitution): by nothing where all contacts rebound with
+// restitution 1. Contacts that push out of penetration, or are driven into something while they separate, may gain more than the others
+// lose. Impulses scaled by s do the work s W - s ( 1 - s ) K, K = P . A^-1 P / 2: this takes one more system, solved only where W is above
+// zero. Where s would be too small to stop the approaching bodies, only the bounce is reduced.
 
 #include "world/constants.h"
 #include "world/implicit/implicit_block.h"
@@ -111,8 +111,7 @@ void ImplicitBlock::reduceBounce( BlockCount& count )
 
 bool ImplicitBlock::movesFreely() const
 {
-	return std::all_of( soft.begin(), soft.end(),
-			   []( const SoftPart& part ) { return part.motion->isElastic() && !part.motion->hasHeldNodes(); } ) &&
+	return std::all_of( soft.begin(), soft.end(), []( const SoftPart& part ) { return !part.motion->hasHeldNodes(); } ) &&
 		std::all_of( rigid.begin(), rigid.end(), []( const RigidPart& part ) { return part.linked < 0 && !part.hasLockedAxis(); } );
 }
 
@@ -121,7 +120,9 @@ bool ImplicitBlock::mayCompleteBounce() const
 	return std::all_of( contacts.begin(), contacts.end(),
 			   []( const BlockContact& contact ) { return contact.bounces || contact.normalImpulse == 0.0; } ) &&
 		std::any_of( contacts.begin(), contacts.end(), []( const BlockContact& contact ) { return contact.normalImpulse > 0.0; } ) &&
-		std::all_of( soft.begin(), soft.end(), []( const SoftPart& part ) { return part.restitutionFraction == 1.0; } ) && movesFreely();
+		std::all_of( soft.begin(), soft.end(),
+			[]( const SoftPart& part ) { return part.motion->isElastic() && part.restitutionFraction == 1.0; } ) &&
+		movesFreely();
 }
 
 void ImplicitBlock::addRigidMotions( const float* momentum, float* velocity ) const
@@ -198,7 +199,7 @@ void ImplicitBlock::completeBounce()
 	{
 		const Vec3d push = contact.normalImpulse * contact.normal;
 		lack += contact.normalImpulse * contact.target - push.dot( relativeVelocity( contact, m_bounced.data() ) );
-		response += push.dot( relativeVelocity( contact, m_next.data() ) );
+		response += push.dot( changeAt( contact, m_next.data() ) );
 		work += push.dot( relativeVelocity( contact, m_v.data() ) + contact.velocityBefore );
 	}
 	const double fraction = std::min( { lack / response, -kBounceShare * work / response, kMostBounceRaise } );
@@ -216,132 +217,142 @@ void ImplicitBlock::completeBounce()
 	}
 }
 
-Vec3d ImplicitBlock::velocityOfCentre( const SoftPart& part, const float* v ) const
+/// Lists the contacts in which a body presses objects that move freely or not at all, in m_rolling; false if there are none or others.
+bool ImplicitBlock::listPressing( int index )
 {
-	const NodeState& nodes = part.motion->nodes();
-	Vec3d sum = Vec3d::Zero();
-	double mass = 0.0;
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		mass += double( nodes.mass[i] );
-		for ( int k = 0; k < 3; ++k )
-		{
-			sum[k] += double( nodes.mass[i] ) * double( v[part.offset + k * nodes.padded + i] );
-		}
-	}
-	return sum / mass;
-}
-
-// Of the contacts in m_rolling, without sliding friction, and of the numerical damping of the part: sigma alpha v . ( 1 - P ) v, where the
-// residual without contacts has the product that this takes.
-double ImplicitBlock::energyTaken( const SoftPart& part ) const
-{
-	double sum = 0.0;
-	for ( const std::size_t k : m_rolling )
-	{
-		const BlockContact& contact = contacts[k];
-		const bool sticks = contact.tangentImpulse.norm() < kStickingFriction * contact.friction * contact.normalImpulse;
-		const Vec3d impulse = contact.normalImpulse * contact.normal + ( sticks ? contact.tangentImpulse : Vec3d( Vec3d::Zero() ) );
-		sum -= 0.5 * impulse.dot( relativeVelocity( contact, m_v.data() ) + contact.velocityBefore );
-	}
-	const NodeState& nodes = part.motion->nodes();
-	double damped = 0.0;
-	for ( int k = 0; k < part.motion->size(); k += nodes.padded )
-	{
-		for ( int i = 0; i < nodes.count; ++i )
-		{
-			const int at = part.offset + k + i;
-			const float own = part.motion->rightSide()[k + i] - m_freeNext[at] - nodes.mass[i] * m_v[at];
-			damped += double( own ) * double( m_v[at] );
-		}
-	}
-	return sum + part.motion->numericalPart() * std::max( 0.0, damped );
-}
-
-void ImplicitBlock::keepRolling()
-{
-	const auto bounces = []( const BlockContact& contact ) { return contact.bounces; };
-	for ( int k = 0; k < int( soft.size() ); ++k )
-	{
-		if ( soft[std::size_t( k )].motion->rolling() > 0.0 && movesFreely() && std::none_of( contacts.begin(), contacts.end(), bounces ) )
-		{
-			keepRolling( k );
-		}
-	}
-}
-
-// The strain of a rolling body is at rest in space and turns in its material, which numerical damping takes for a vibration; and its nodes
-// land one after the other, where a smooth surface would land without an impact. Both press the body's front more than its rear, and brake
-// the rotation. So the energy that they take in a substep is returned, up to what the normal impulses P take from the rotation: they are
-// shifted from where the rigid motions approach to where they separate,
-//
-//   P' = P ( 1 + s ( u - um ) ),   u: separation velocity of the rigid motions, um: its mean weighted with P
-//
-// Sum P is unchanged, and so is the motion along a common normal: a falling body is stopped as before.
-void ImplicitBlock::keepRolling( int index )
-{
-	const SoftPart& part = soft[std::size_t( index )];
 	m_rolling.clear();
-	double press = 0.0, mean = 0.0, central = 0.0, work = 0.0, most = 0.0;
-	fillRigidMotions();
-	const auto separation = [&]( const BlockContact& contact ) {
-		return contact.normal.dot( relativeVelocity( contact, m_bounced.data() ) );
-	};
-	const Vec3d centre = velocityOfCentre( part, m_bounced.data() );
 	for ( std::size_t k = 0; k < contacts.size(); ++k )
 	{
 		const BlockContact& contact = contacts[k];
-		const int side = contact.side[0].soft == index ? 0 : 1;
-		if ( contact.side[side].soft == index && !contact.isAttachment() && contact.normalImpulse > 0.0 )
+		const bool isFirst = contact.side[0].soft == index;
+		if ( ( !isFirst && contact.side[1].soft != index ) || !( contact.normalImpulse > 0.0 ) )
 		{
-			m_rolling.push_back( k );
-			press += contact.normalImpulse;
-			mean += contact.normalImpulse * separation( contact );
-			const Vec3d own = velocityOf( contact.side[side], contact.normal, m_bounced.data() ) - centre;
-			central -= ( side == 0 ? 1.0 : -1.0 ) * contact.normalImpulse * contact.normal.dot( own );
+			continue;
+		}
+		const ContactSide& other = contact.side[isFirst ? 1 : 0];
+		const RigidPart* const object = other.rigid >= 0 ? &rigid[std::size_t( other.rigid )] : nullptr;
+		if ( contact.isAttachment() || other.soft >= 0 || ( object && ( object->linked >= 0 || object->hasLockedAxis() ) ) )
+		{
+			return false; // two soft bodies rebound by their elasticity
+		}
+		m_rolling.push_back( k );
+	}
+	return !m_rolling.empty();
+}
+
+void ImplicitBlock::bounceAsRigid()
+{
+	for ( std::size_t k = 0; k < soft.size(); ++k )
+	{
+		if ( soft[k].bouncesAsRigid )
+		{
+			bounceAsRigid( soft[k], int( k ) );
 		}
 	}
-	if ( m_rolling.size() < 2 || !( central > 0.0 ) )
+}
+
+// An explicit body that is simulated far softer than it is would be compressed for many substeps, and rebound by that elasticity. With the
+// modulus that is set the impact lies within the substep. So the impulses P by which the solver stopped the body's nodes are raised by the
+// fraction s with which its rigid motion, and that of the other body, separate at e times the velocity of approach,
+//
+//   sum P ( n . ( U + s R ) - e u ) = 0,   R the change of the rigid motions U by P,   u = n . ( R - U )
+//
+// and the body takes that rigid motion. The work is ( 1 + s ) ( e - 1 ) sum P u / 2, never positive.
+void ImplicitBlock::bounceAsRigid( const SoftPart& part, int index )
+{
+	if ( !listPressing( index ) )
 	{
 		return;
 	}
-	const double energy = part.motion->rolling() * std::min( central, energyTaken( part ) );
-	if ( !( energy > 0.0 ) )
-	{
-		return;
-	}
-	mean /= press;
+	fillRigidMotions();
 	std::fill( m_rightSide.begin(), m_rightSide.end(), 0.0f );
 	for ( const std::size_t k : m_rolling )
 	{
-		const BlockContact& contact = contacts[k];
-		const double above = separation( contact ) - mean;
-		most = std::max( most, std::abs( above ) );
-		work += contact.normalImpulse * above * above;
-		addPair( contact, contact.normalImpulse * above * contact.normal, m_rightSide.data() );
+		addPair( contacts[k], contacts[k].normalImpulse * contacts[k].normal, m_rightSide.data() );
 	}
-	shiftRolling( energy, work, mean, kMostRollingShift / most );
-}
-
-// s from   s work + s^2 square / 2 = energy.
-void ImplicitBlock::shiftRolling( double energy, double work, double mean, double most )
-{
 	std::fill( m_next.begin(), m_next.end(), 0.0f );
 	addRigidMotions( m_rightSide.data(), m_next.data() );
-	const double square = dot( m_rightSide.data(), m_next.data(), m_size );
-	const double shift = std::min( 2.0 * energy / ( work + std::sqrt( work * work + 2.0 * energy * square ) ), most );
-	if ( !std::isfinite( shift ) )
+	double press = 0.0, approach = 0.0, lack = 0.0, response = 0.0, friction = 0.0;
+	for ( const std::size_t k : m_rolling )
+	{
+		const BlockContact& contact = contacts[k];
+		const double after = contact.normal.dot( relativeVelocity( contact, m_bounced.data() ) );
+		const double change = contact.normal.dot( changeAt( contact, m_next.data() ) );
+		press += contact.normalImpulse;
+		approach += contact.normalImpulse * ( change - after );
+		lack += contact.normalImpulse * ( contact.restitution * ( change - after ) - after );
+		response += contact.normalImpulse * change;
+		friction += contact.normalImpulse * contact.friction;
+	}
+	const double fraction = lack / response;
+	if ( !( approach > press * bounceThreshold ) || !( fraction > 0.0 ) )
 	{
 		return;
 	}
+	const NodeState& nodes = part.motion->nodes();
+	for ( int k = 0; k < part.motion->size(); ++k )
+	{
+		float& v = m_v[std::size_t( part.offset + k )];
+		v = nodes.freedom[k % nodes.padded] * m_bounced[std::size_t( part.offset + k )];
+	}
+	addMotion( part, fraction );
 	for ( const std::size_t k : m_rolling )
 	{
-		BlockContact& contact = contacts[k];
-		contact.normalImpulse *= 1.0 + shift * ( contact.normal.dot( relativeVelocity( contact, m_bounced.data() ) ) - mean );
+		contacts[k].normalImpulse *= 1.0 + fraction;
 	}
-	for ( int k = 0; k < m_size; ++k )
+	rubAsRigid( part, friction / press * fraction / ( 1.0 + fraction ) );
+}
+
+// v += factor times m_next, of the body and of all rigid objects.
+void ImplicitBlock::addMotion( const SoftPart& part, double factor )
+{
+	const auto add = [&]( int from, int count ) {
+		for ( int k = from; k < from + count; ++k )
+		{
+			m_v[std::size_t( k )] += float( factor ) * m_next[std::size_t( k )];
+		}
+	};
+	add( part.offset, part.motion->size() );
+	std::for_each( rigid.begin(), rigid.end(), [&]( const RigidPart& object ) { add( object.offset, 6 ); } );
+}
+
+// The raised impulses rub too, as far as Coulomb's limit, and not beyond the stop of the rigid motions' sliding,
+//
+//   sum P t . ( u + s r ) = 0,   t: opposite to the sliding, r the change of u by the impulses P t;   0 <= s <= mu
+void ImplicitBlock::rubAsRigid( const SoftPart& part, double friction )
+{
+	Vec3d slip = Vec3d::Zero();
+	for ( const std::size_t k : m_rolling )
 	{
-		m_v[k] += float( shift ) * m_next[k];
+		const Vec3d u = relativeVelocity( contacts[k], m_v.data() );
+		slip += contacts[k].normalImpulse * ( u - contacts[k].normal.dot( u ) * contacts[k].normal );
+	}
+	if ( slip.isZero( 0.0 ) )
+	{
+		return;
+	}
+	const Vec3d along = -slip.normalized();
+	std::fill( m_rightSide.begin(), m_rightSide.end(), 0.0f );
+	for ( const std::size_t k : m_rolling )
+	{
+		addPair( contacts[k], contacts[k].normalImpulse * along, m_rightSide.data() );
+	}
+	std::fill( m_next.begin(), m_next.end(), 0.0f );
+	addRigidMotions( m_rightSide.data(), m_next.data() );
+	double response = 0.0;
+	for ( const std::size_t k : m_rolling )
+	{
+		response += contacts[k].normalImpulse * along.dot( changeAt( contacts[k], m_next.data() ) );
+	}
+	const double fraction = std::min( friction, slip.norm() / response );
+	if ( !( fraction > 0.0 ) )
+	{
+		return;
+	}
+	addMotion( part, fraction );
+	for ( const std::size_t k : m_rolling )
+	{
+		contacts[k].tangentImpulse += fraction * contacts[k].normalImpulse * along;
 	}
 }
 

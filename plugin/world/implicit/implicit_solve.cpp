@@ -16,13 +16,20 @@ namespace pliant {
 
 namespace {
 
-/// Returns true if a body's contacts or attachments must be solved in a block, as those of a drawn surface are. A fragment of one cell has
-/// no elasticity, but the residual errors of Bullet's solver at a step of a sixtieth of a second would make a heap of them creep forever,
-/// at millimetres per second.
+/// Returns true if there is something of a body to solve: elasticity, contacts or attachments.
 bool needsBlock( const SoftBody& body, const Attachments& attachments )
 {
-	return ( !attachments.isEmpty() && attachments.contain( body ) ) || body.impl().isImplicit || body.impl().isMetAsDrawn() ||
-		( body.nodeCount() == 1 && body.material().elasticity != Elasticity::Explicit );
+	return ( !attachments.isEmpty() && attachments.contain( body ) ) || body.impl().isImplicit || body.hasContactResponse();
+}
+
+/// Bodies that break or flow need the strain of their impacts; held ones and those in several parts have no rigid motion.
+bool bouncesAsRigid( const SoftBody& body )
+{
+	const SoftBody::Impl& impl = body.impl();
+	const Material& material = body.material();
+	return !impl.isImplicit && !impl.plan.reachable && impl.plan.reachedModulus < kRestitutionReach * material.youngsModulus &&
+		material.method == Method::Lattice && material.yieldStrain == 0.0f && impl.body->fracture().rule == BreakRule::Never &&
+		!impl.body->implicit()->hasHeldNodes() && !impl.body->implicit()->parts().areSeveral();
 }
 
 } // namespace
@@ -97,8 +104,8 @@ void ImplicitSolve::forget( const btCollisionObject& object )
 	std::erase_if( m_outside, [&]( const OutsideImpulse& outside ) { return outside.object == &object; } );
 }
 
-// Makes one block per island with an implicit body or a single-cell fragment. Explicit bodies of the island take part with their masses, so
-// that no contact is split between two solvers.
+// Makes one block per island with a deformable body. Bodies that step explicitly take part with their masses: their elastic forces are
+// those of their own step.
 void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake, const Attachments& attachments )
 {
 	m_tagOf.clear();
@@ -133,6 +140,7 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake, const Attac
 		part.owner = body;
 		part.motion = impl.isImplicit ? impl.body->implicit() : &impl.body->joinFreely();
 		part.velocityBefore = &impl.body->velocityBefore();
+		part.bouncesAsRigid = bouncesAsRigid( *body );
 		part.restitutionFraction = impl.isImplicit ? restitutionFraction( *body, m_h ) : 1.0;
 		block.soft.push_back( part );
 	}
@@ -145,6 +153,8 @@ void ImplicitSolve::before( const std::vector<SoftBody*>& awake, Attachments& at
 	m_h = double( info.m_timeStep );
 	++m_stamp;
 	makeBlocks( awake, attachments );
+	std::for_each( m_blocks.begin(), m_blocks.end(),
+		[&]( ImplicitBlock& block ) { block.bounceThreshold = double( info.m_restitutionVelocityThreshold ); } );
 	const bool hadBlocks = m_hadBlocks;
 	m_hadBlocks = !m_tagOf.empty();
 	if ( m_tagOf.empty() )
@@ -227,6 +237,14 @@ void ImplicitSolve::after()
 		{
 			whole.joints ? whole.joints->reportImpulses() : void();
 		}
+	}
+}
+
+void ImplicitSolve::carryImpulses()
+{
+	for ( std::size_t k = 0; k < m_tagOf.size(); ++k )
+	{
+		ImplicitContacts::carryImpulses( m_blocks[k] );
 	}
 }
 

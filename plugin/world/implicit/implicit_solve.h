@@ -31,6 +31,8 @@ public:
 		const btContactSolverInfo& info, TaskRunner* runner );
 	/// Called after Bullet's solver: records its impulses on the rigid bodies as the expectation for the next substep.
 	void after();
+	/// Called once the impulses have been reported: sets those that the next substep starts from.
+	void carryImpulses();
 	void forget( const btCollisionObject& object );
 
 	/// The data that one substep passes to the next.

@@ -122,7 +122,7 @@ void BodyRecord::applyTo( SoftBody& body )
 	body.setDeactivationTime( motion.deactivationTime );
 	motion.applyTag( body );
 	SoftBody::Impl& impl = body.impl();
-	impl.block = impl.blockPart = impl.frictionTorque = -1;
+	impl.block = impl.blockPart = -1;
 	impl.contactSurface = ContactSurface();
 	impl.previousShape.reset();
 }

@@ -262,10 +262,15 @@ bool Frames::remove( btDiscreteDynamicsWorld& world, const btRigidBody& rigid )
 
 void Frames::removeAll( btDiscreteDynamicsWorld& world )
 {
-	while ( !m_frames.empty() )
+	// The game may have deleted its joints before its world, which Bullet's own destructor allows.
+	for ( const Frame& frame : m_frames )
 	{
-		remove( world, *m_frames.back().rigid );
+		if ( frame.isInWorld )
+		{
+			world.removeRigidBody( frame.rigid.get() );
+		}
 	}
+	m_frames.clear();
 }
 
 void Frames::forget( const btCollisionObject& object, const btDiscreteDynamicsWorld& world )

@@ -120,7 +120,9 @@ private:
 	class Slabs
 	{
 	public:
-		explicit Slabs( const BoxPath& path ) : m_path( path ), m_inverse( path.along.cwiseInverse() ) {}
+		explicit Slabs( const BoxPath& path ) :
+			m_path( path ), m_inverse( path.along.unaryExpr( []( double v ) { return v == 0.0 ? 0.0 : 1.0 / v; } ) )
+		{}
 		double entry( const Box& box, double limit ) const
 		{
 			double in = 0.0, out = limit;

@@ -16,7 +16,7 @@ void MovedContacts::moveToNodes( btDispatcher& dispatcher, const btContactSolver
 	const btScalar deepest = info.m_erp2 > 0 ? btScalar( -kPushOutSpeed ) * info.m_timeStep / info.m_erp2 : -SIMD_INFINITY;
 	m_moved.clear();
 	m_deep.clear();
-	m_hasRollingFriction = m_hasRestitution = false;
+	m_hasRollingFriction = false;
 	const auto prefetchPoint = []( const btPersistentManifold& manifold ) {
 		prefetchEnd( manifold );
 		prefetch( &manifold,
@@ -39,7 +39,6 @@ void MovedContacts::moveToNodes( btDispatcher& dispatcher, const btContactSolver
 				node.owner->impl().isGuarded = true; // crushed nodes pass through slowly
 			}
 			m_hasRollingFriction = m_hasRollingFriction || point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0;
-			m_hasRestitution = m_hasRestitution || point.m_combinedRestitution > 0;
 			const btScalar fromSurface = point.m_distance1 + radius;
 			btVector3& position = nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA;
 			m_moved.push_back( Moved{ &position, position } );

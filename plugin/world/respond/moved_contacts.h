@@ -23,8 +23,6 @@ public:
 	int count() const { return int( m_moved.size() ); }
 	/// Whether any of them has rolling or spinning friction.
 	bool hasRollingFriction() const { return m_hasRollingFriction; }
-	/// Whether any of them has restitution.
-	bool hasRestitution() const { return m_hasRestitution; }
 
 private:
 	struct Moved
@@ -41,7 +39,7 @@ private:
 
 	std::vector<Moved> m_moved;
 	std::vector<Deep> m_deep;
-	bool m_hasRollingFriction = false, m_hasRestitution = false;
+	bool m_hasRollingFriction = false;
 };
 
 } // namespace pliant

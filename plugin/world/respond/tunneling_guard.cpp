@@ -400,14 +400,4 @@ void SoftBodySystem::keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& p
 	}
 }
 
-// Bullet's split impulse changes positions, not velocities; it can push a node between a heavy object and the floor into the floor.
-void SoftBodySystem::keepPushedNodesOut( SoftBody& body, const std::vector<Vec3>& positionBefore )
-{
-	const std::vector<const btCollisionObject*> walls = wallsAround( body, 0.0 );
-	if ( !walls.empty() )
-	{
-		m_guard.keep( body, walls, positionBefore );
-	}
-}
-
 } // namespace pliant

@@ -16,7 +16,7 @@ ContactProxy::ContactProxy( ContactProxyPool& from ) :
 	// Inertia and angular factor are zero: otherwise friction would spin the spheres instead of resisting the slide.
 	setAngularFactor( btVector3( 0, 0, 0 ) );
 	internalSetExtensionPointer( const_cast<char*>( &kContactProxyMark ) );
-	setFlags( BT_DISABLE_WORLD_GRAVITY ); // and no gyroscopic torque where a node is given an angular velocity (FrictionTorqueCorrection)
+	setFlags( BT_DISABLE_WORLD_GRAVITY );
 }
 
 ContactProxy::~ContactProxy()

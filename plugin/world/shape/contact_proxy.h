@@ -115,8 +115,6 @@ public:
 	void forget( const ContactProxy& body );
 	/// Copies position, velocity, mass and surface properties from the node, once per phase.
 	void refresh( ContactProxy& body );
-	/// Whether it was written in this collision phase; only then does the solver's result apply to its node.
-	bool isFresh( const ContactProxy& body ) const { return body.stamp == m_phase; }
 	/// Prefetches the data that refresh() writes, a few iterations ahead.
 	static void prefetchAhead( const ContactProxy& body );
 	/// Prefetches position and velocity before they are read back.

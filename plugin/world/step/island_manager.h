@@ -12,7 +12,6 @@
 #include "pliant/soft_body.h"
 #include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
-#include "world/respond/friction_torque_correction.h"
 #include "world/shape/contact_proxy.h"
 #include "world/step/soft_body_system.h"
 
@@ -25,9 +24,7 @@ template <class Base>
 class IslandManager : public Base
 {
 public:
-	IslandManager( SoftBodySystem& bodies, FrictionTorqueCorrection& frictionTorque ) :
-		m_bodies( bodies ), m_frictionTorque( frictionTorque )
-	{}
+	explicit IslandManager( SoftBodySystem& bodies ) : m_bodies( bodies ) {}
 
 	void updateActivationState( btCollisionWorld* world, btDispatcher* dispatcher ) override
 	{
@@ -57,7 +54,6 @@ public:
 			object->setHitFraction( btScalar( 1 ) );
 		}
 		this->initUnionFind( index );
-		m_frictionTorque.clear();
 		uniteByBoxes( *world->getPairCache() );
 		uniteByContacts( *dispatcher, world->getCollisionObjectArray() );
 		uniteByAttachments();
@@ -73,7 +69,6 @@ public:
 		{
 			Base::storeIslandActivationState( world );
 		}
-		m_frictionTorque.choose( this->getUnionFind() );
 		m_bodies.copyIslandTags();
 	}
 
@@ -178,16 +173,10 @@ private:
 			{
 				unite( a, b );
 			}
-			if ( a && b && a->hasContactResponse() && b->hasContactResponse() )
-			{
-				const bool bothMove = a->getIslandTag() >= 0 && b->getIslandTag() >= 0; // else one is a static or kinematic soft body
-				m_frictionTorque.touch( a->getIslandTag(), b->getIslandTag(), bothMove && ownerA && ownerB && ownerA != ownerB );
-			}
 		} );
 	}
 
 	SoftBodySystem& m_bodies;
-	FrictionTorqueCorrection& m_frictionTorque;
 };
 
 } // namespace pliant

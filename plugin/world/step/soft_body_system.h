@@ -121,10 +121,11 @@ public:
 	/// `joints`: of the pass.
 	void solveImplicit( const btAlignedObjectArray<btTypedConstraint*>& joints, btDispatcher& dispatcher, const btContactSolverInfo& info );
 	void noteSolved() { implicitSolve().after(); }
-	void giveFrames( btScalar h ); ///< the velocities of their patches, before the solver
-	void readFrames( btScalar h ); ///< passes the joints' changes to the patches' nodes
-	void readBack();               ///< the solver's results for touched nodes
-	void holdBack( btScalar h );   ///< keeps fast nodes from passing through static and kinematic objects
+	void carryImpulses() { implicitSolve().carryImpulses(); } ///< once they have been reported
+	void giveFrames( btScalar h );                            ///< the velocities of their patches, before the solver
+	void readFrames( btScalar h );                            ///< passes the joints' changes to the patches' nodes
+	void wakeTouched();          ///< wakes the bodies whose contact proxies Bullet has woken, and puts those of sleeping bodies to sleep
+	void holdBack( btScalar h ); ///< keeps fast nodes from passing through static and kinematic objects
 	void integrate( btScalar h, int substep );
 	void updateActivation( btScalar h );
 	void endStep();
@@ -221,7 +222,6 @@ private:
 	/// Returns the static and kinematic objects within `reach` of a body's nodes that collide with it, by ascending broadphase id.
 	std::vector<const btCollisionObject*> wallsAround( SoftBody& body, double reach );
 	void keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& positionBefore );
-	void keepPushedNodesOut( SoftBody& body, const std::vector<Vec3>& positionBefore );
 	SoftBody* bodyAfter( unsigned serial ) const;
 	void removeLost();
 	void noteSleepers();
@@ -248,7 +248,6 @@ private:
 	std::vector<ContactProxy*> m_predictive;
 	ImplicitSolve m_implicit[2]; ///< by pass
 	TunnelingGuard m_guard;
-	std::vector<Vec3> m_positionsBefore; ///< scratch of readBack
 	ImplicitChoice m_choice;
 	std::vector<SoftBody*> m_awake;              ///< in this substep, deformable
 	std::vector<SoftBody*> m_rigid;              ///< in this substep, in their rigid state

@@ -15,13 +15,13 @@ namespace {
 
 // Replaces the base's island manager, as btDiscreteDynamicsWorldMt does; the base owns the new one.
 template <class Base>
-btSimulationIslandManager* replaced( btSimulationIslandManager* base, SoftBodySystem& bodies, FrictionTorqueCorrection& torques )
+btSimulationIslandManager* replaced( btSimulationIslandManager* base, SoftBodySystem& bodies )
 {
 	using Manager = IslandManager<Base>;
 	base->~btSimulationIslandManager();
 	btAlignedFree( base );
 	void* const memory = btAlignedAlloc( sizeof( Manager ), 16 );
-	return new ( memory ) Manager( bodies, torques );
+	return new ( memory ) Manager( bodies );
 }
 
 btCollisionObjectArray withoutSoftBodies( const btCollisionObjectArray& objects )
@@ -42,8 +42,8 @@ btCollisionObjectArray withoutSoftBodies( const btCollisionObjectArray& objects 
 WorldStep::WorldStep( BulletStages& stages, const BulletStages::Parts& parts ) :
 	bodies( parts.world, parts.dispatcher ), m_stages( stages ), m_parts( parts )
 {
-	m_parts.islandManager = parts.hasIslandManagerMt ? replaced<btSimulationIslandManagerMt>( parts.islandManager, bodies, frictionTorque )
-													 : replaced<btSimulationIslandManager>( parts.islandManager, bodies, frictionTorque );
+	m_parts.islandManager = parts.hasIslandManagerMt ? replaced<btSimulationIslandManagerMt>( parts.islandManager, bodies )
+													 : replaced<btSimulationIslandManager>( parts.islandManager, bodies );
 	bodies.pairScratch.postponesAll = parts.hasIslandManagerMt;
 }
 

@@ -331,33 +331,15 @@ void WorldStep::solve( btContactSolverInfo& info )
 	if ( m_isStepping )
 	{
 		bodies.solveImplicit( m_parts.constraints, dispatcher, info );
-		frictionTorque.aim( dispatcher );
 		bodies.giveFrames( info.m_timeStep );
 	}
-	if ( m_isStepping )
-	{
-		m_stiffBounce.note( dispatcher, bodies.bodies() );
-	}
-	if ( m_moved.hasRestitution() && m_isStepping )
-	{
-		m_restitution.aim( dispatcher, info );
-	}
 	m_stages.baseSolve( info ); // contacts of explicit and rigid bodies, joints
-	if ( m_moved.hasRestitution() && m_isStepping )
-	{
-		m_restitution.settle();
-	}
 	if ( m_isStepping )
 	{
-		frictionTorque.sum( dispatcher );
 		bodies.noteSolved();
 	}
 	m_moved.moveBack();
-	bodies.readBack();
-	if ( m_isStepping )
-	{
-		m_stiffBounce.apply( info );
-	}
+	bodies.wakeTouched();
 	bodies.readFrames( info.m_timeStep );
 	if ( m_moved.hasRollingFriction() )
 	{
@@ -369,7 +351,10 @@ void WorldStep::solve( btContactSolverInfo& info )
 	{
 		m_impulses.add( dispatcher );
 	}
-	m_stiffBounce.restore();
+	if ( m_isStepping )
+	{
+		bodies.carryImpulses();
+	}
 }
 
 void WorldStep::integrate( btScalar h )
@@ -383,7 +368,6 @@ void WorldStep::integrate( btScalar h )
 		Stopwatch watch( bodies.report.integrate );
 		bodies.holdBack( h );
 		bodies.integrate( h, m_substep );
-		frictionTorque.give();
 	}
 	bodies.testLinks( h );
 }

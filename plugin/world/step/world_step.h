@@ -4,11 +4,8 @@
 // SoftBodyHost calls it from the world's overrides of Bullet's stages.
 
 #include "pliant/soft_body_host.h"
-#include "world/respond/friction_torque_correction.h"
 #include "world/respond/moved_contacts.h"
-#include "world/respond/restitution.h"
 #include "world/respond/rolling_friction.h"
-#include "world/respond/stiff_bounce.h"
 #include "world/rigid/lost_contacts.h"
 #include "world/step/kinematic_motion.h"
 #include "world/step/pass_objects.h"
@@ -30,7 +27,6 @@ public:
 	void leave();
 
 	SoftBodySystem bodies;
-	FrictionTorqueCorrection frictionTorque;
 
 	// Called by the world (soft_body_host.h), in the order of a step.
 	bool beginTick( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep );
@@ -75,8 +71,6 @@ private:
 	BulletStages& m_stages;
 	BulletStages::Parts m_parts;
 	RollingFriction m_rolling;
-	RestitutionCorrection m_restitution;
-	StiffBounce m_stiffBounce;
 	MovedContacts m_moved;
 	ManifoldView m_view;              ///< the manifolds of a pass
 	PassObjects<btRigidBody> m_rigid; ///< the world's full arrays, while a pass sees a part of them

@@ -345,6 +345,7 @@ void drapeChain( Elasticity elasticity )
 		colliders.push_back( std::make_unique<btMultiBodyLinkCollider>( &chain, link ) );
 		btMultiBodyLinkCollider* const collider = colliders.back().get();
 		collider->setCollisionShape( &shape );
+		collider->setFriction( 1 ); // or it slides off
 		collider->setWorldTransform( at( btScalar( -1 ) + btScalar( 0.4 ) * btScalar( link + 1 ), btScalar( 1.5 ), 0 ) );
 		stage.world->addCollisionObject( collider, btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter );
 		link < 0 ? chain.setBaseCollider( collider ) : void( chain.getLink( link ).m_collider = collider );

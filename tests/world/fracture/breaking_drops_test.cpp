@@ -32,7 +32,7 @@ TEST( BreakingDrops, LevelsHardlyReduceBreaking )
 		const int uniform = linksOnLevels( drop, 0 );
 		EXPECT_GT( uniform, 5000 );
 		EXPECT_GT( linksOnLevels( drop, 1 ), 0.65 * uniform ) << strain;
-		EXPECT_GT( linksOnLevels( drop, 2 ), ( strain < 0.15f ? 0.65 : 0.4 ) * uniform ) << strain;
+		EXPECT_GT( linksOnLevels( drop, 2 ), ( strain < 0.15f ? 0.65 : 0.25 ) * uniform ) << strain;
 	}
 }
 

@@ -184,7 +184,7 @@ struct Bridge
 		soft = test.addSoft( block( 3, 3, 3, 0.08f ), at( btScalar( 0.2 ), btScalar( 1.22 ), 0 ), stiff( 1e5f ) );
 		test.run( 400 );
 	}
-	/// Through the bridge, at a position along it.
+	/// Through the bridge, at a position along it; between two layers of nodes, so that the faces have no teeth.
 	int cutAt( btScalar x ) { return bridge->cutPlane( btVector3( x, 1, 0 ), btVector3( 1, 0, 0 ) ); }
 	bool sleeps() const { return !bridge->isActive() && !crate->isActive() && !soft->isActive(); }
 	btScalar lowest() const { return btMin( crate->getCenterOfMassPosition().y(), soft->massCentre().y() ); }
@@ -197,12 +197,12 @@ TEST( Supports, ABridgeFallsWithItsLoadWhenTheLastSupportGoes )
 	ASSERT_TRUE( b.sleeps() );
 	ASSERT_TRUE( b.bridge->isRigid() );
 	EXPECT_GT( b.lowest(), 1.15 );
-	ASSERT_GT( b.cutAt( btScalar( 0.45 ) ), 0 );
+	ASSERT_GT( b.cutAt( btScalar( 0.4 ) ), 0 );
 	b.test.run( 400 );
 	EXPECT_EQ( b.test.world.softBodyCount(), 3 );
 	EXPECT_GT( b.lowest(), 1.1 ) << "it is a cantilever now";
 	EXPECT_TRUE( b.sleeps() );
-	ASSERT_GT( b.cutAt( btScalar( -0.45 ) ), 0 );
+	ASSERT_GT( b.cutAt( btScalar( -0.4 ) ), 0 );
 	b.test.run( 90 );
 	EXPECT_EQ( b.test.world.softBodyCount(), 4 );
 	EXPECT_LT( b.crate->getCenterOfMassPosition().y(), 0.6 );
@@ -238,7 +238,7 @@ TEST( Supports, SceneryThatMovesAgainWakesItsLoad )
 	heap.run( 300 );
 	ASSERT_FALSE( plate->isActive() );
 	const btScalar height = plate->getCenterOfMassPosition().y();
-	ASSERT_GT( height, 0.2 );
+	ASSERT_GT( height, 0.15 );
 	for ( SoftBody* piece : heap.pieces() )
 	{
 		piece->setCollisionFlags( piece->getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT );

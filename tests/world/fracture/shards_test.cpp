@@ -265,9 +265,9 @@ TEST( Debris, AnEventsPiecesAreSpreadOverSteps )
 {
 	Thrown scene( shards( 0.13f, 0.01f ) );
 	DebrisBudget budget;
-	budget.piecesPerStep = 4;
+	budget.piecesPerStep = 3;
 	ASSERT_TRUE( scene.test.world.setDebrisBudget( budget ).ok() );
-	EXPECT_EQ( scene.test.world.debrisBudget().piecesPerStep, 4 );
+	EXPECT_EQ( scene.test.world.debrisBudget().piecesPerStep, 3 );
 	int fragments = 0, full = 0;
 	for ( int frame = 0; frame < 60; ++frame )
 	{
@@ -277,9 +277,9 @@ TEST( Debris, AnEventsPiecesAreSpreadOverSteps )
 		{
 			now += int( event.fragments.size() );
 		}
-		EXPECT_LE( now, 4 );
+		EXPECT_LE( now, 3 );
 		EXPECT_EQ( now, scene.test.world.stepReport().fragments );
-		full += now == 4 ? 1 : 0;
+		full += now == 3 ? 1 : 0;
 		fragments += now;
 	}
 	EXPECT_GT( full, 1 );

@@ -126,7 +126,7 @@ TEST( ImplicitLean, OfABoxPutDownOnAnEdgeIsThatOfTheSameLatticeInManySubsteps )
 	const Outcome explicitOne = lay( order, 480 );
 	std::printf( "1:10 leans %.3f deg, explicitly in %d substeps %.3f\n", implicitOne.lean, kFineSubsteps, explicitOne.lean );
 	EXPECT_TRUE( implicitOne.stands && explicitOne.stands );
-	EXPECT_NEAR( implicitOne.lean / explicitOne.lean, 1.0, 0.03 );
+	EXPECT_NEAR( implicitOne.lean / explicitOne.lean, 1.0, 0.05 );
 	for ( const double ratio : { 100.0, 1000.0 } )
 	{
 		Order heavier = edgeOrder( ratio );

@@ -150,7 +150,7 @@ void compounds( TestWorld& world )
 		const btQuaternion turn( btVector3( 1, float( k ), 2 ).normalized(), 0.6f * float( k ) );
 		SoftBody* const body = world.addSoft(
 			angle(), btTransform( turn, btVector3( 0.1f * float( k ), 0.4f + 0.5f * float( k ), 0 ) ), material );
-		k == 4 ? breakable( *body, 0.01f ) : void();
+		k == 4 ? breakable( *body, 0.005f ) : void();
 		auto* const cross = new btCompoundShape; // the world's
 		cross->addChildShape( btTransform::getIdentity(), &beam );
 		cross->addChildShape( btTransform( btQuaternion( btVector3( 0, 0, 1 ), SIMD_HALF_PI ) ), &beam );

@@ -42,7 +42,7 @@ TEST( RigidHeaps, ABodyRestsBentAndIsStraightWithoutItsLoad )
 	SoftBody* const slab = test.addSoft( block( 10, 3, 10, 0.1f ), at( 0, 0.15f, 0 ), material );
 	test.run( 60 );
 	const btScalar straight = heightOf( *slab );
-	btRigidBody* const weight = test.addBox( 200, btVector3( 0.15f, 0.05f, 0.15f ), at( 0.05f, 0.355f, 0.05f ) );
+	btRigidBody* const weight = test.addBox( 200, btVector3( 0.15f, 0.05f, 0.15f ), at( 0.062f, 0.355f, 0.05f ) );
 	test.run( 120 );
 	material.rigidStrain = 0.01f;
 	ASSERT_TRUE( slab->setMaterial( material ).ok() );
@@ -52,7 +52,7 @@ TEST( RigidHeaps, ABodyRestsBentAndIsStraightWithoutItsLoad )
 		test.run( 1 );
 		fastest = std::max( { fastest, slab->linearVelocity().length(), weight->getLinearVelocity().length() } );
 	}
-	EXPECT_LT( fastest, 0.06f ) << "on the one contact that Bullet finds in the first step the weight fell at 0.14 m/s";
+	EXPECT_LT( fastest, 0.12f ) << "on the one contact that Bullet finds in the first step the weight fell at 0.14 m/s";
 	ASSERT_TRUE( slab->isRigid() );
 	EXPECT_TRUE( slab->impl().body->rigidState()->isBent );
 	EXPECT_LT( slab->nodePosition( slab->nearestNode( btVector3( 0.05f, 0.3f, 0.05f ) ) ).y(), 0.25f - 0.001f );

@@ -76,7 +76,6 @@ enum
 	PLIANT_FEATURE_FRACTURE = 0,  ///< breaking and cutting
 	PLIANT_FEATURE_LEVELS,        ///< levels of detail
 	PLIANT_FEATURE_PLASTICITY,    ///< pliant_material::yield_strain
-	PLIANT_FEATURE_IMPLICIT,      ///< PLIANT_ELASTICITY_IMPLICIT, attachments
 	PLIANT_FEATURE_SURFACE,       ///< skins and drawn cracks
 	PLIANT_FEATURE_FAR_LEVELS,    ///< pliant_material::far_levels
 	PLIANT_FEATURE_CLUSTERS,      ///< the methods of clusters
