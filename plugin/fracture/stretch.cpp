@@ -93,15 +93,13 @@ Stretch largestStretch( const Eigen::Matrix3d& deformation )
 	return found;
 }
 
-// The largest eigenvalue of E is at most m + 2 sqrt( |S|^2 / 6 ), with equality if the two others are equal. The margin covers rounding.
+// All eigenvalues of E = F^T F - 1 are below l where the leading minors of l 1 - E are positive (Sylvester). The margin covers rounding.
 bool isStretchedLess( const Eigen::Matrix3d& deformation, double strain )
 {
 	constexpr double kRounding = 1e-9;
 	Symmetric e( deformation );
-	const double mean = ( e.xx + e.yy + e.zz ) / 3.0, limit = ( 1.0 + strain ) * ( 1.0 + strain ) - 1.0;
-	e.addToDiagonal( -mean );
-	const double above = limit * ( 1.0 - kRounding ) - kRounding - mean;
-	return above > 0.0 && e.squaredNorm() * ( 4.0 / 6.0 ) < above * above;
+	e.addToDiagonal( kRounding - ( ( 1.0 + strain ) * ( 1.0 + strain ) - 1.0 ) * ( 1.0 - kRounding ) );
+	return e.xx < 0.0 && e.xx * e.yy > e.xy * e.xy && e.determinant() < 0.0;
 }
 
 Eigen::Matrix3d inverseOfRest( const Eigen::Matrix3d& moment )

@@ -22,7 +22,7 @@ struct Stretch
 /// Closed form with four Newton steps; Eigen's solver is the reference implementation.
 Stretch largestStretch( const Eigen::Matrix3d& deformation );
 
-/// Returns true only where the strain is below `strain` in every direction, tested by mean and spread of F^T F; false is inconclusive.
+/// Whether the strain is below `strain` in every direction, without finding the largest; false also where it is less by rounding only.
 bool isStretchedLess( const Eigen::Matrix3d& deformation, double strain );
 
 /// Returns the pseudo-inverse of a second moment without the axes of negligible extent (kFlatNeighbourhood). For a solid moment this is its

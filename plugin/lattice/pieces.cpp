@@ -247,8 +247,10 @@ Lattice extractCells( const Lattice& lattice, const std::vector<std::uint32_t>& 
 	std::vector<std::uint32_t> numberOf( lattice.fill.size(), 0 );
 	double mass = 0.0;
 	Vec3d centre = Vec3d::Zero();
+	std::size_t links = 0;
 	for ( std::size_t i = 0; i < cells.size(); ++i )
 	{
+		links += lattice.linkStart[cells[i] + 1] - lattice.linkStart[cells[i]];
 		numberOf[cells[i]] = std::uint32_t( i );
 		mass += lattice.fill[cells[i]];
 		centre += double( lattice.fill[cells[i]] ) * lattice.restCentre[cells[i]].cast<double>();
@@ -265,6 +267,7 @@ Lattice extractCells( const Lattice& lattice, const std::vector<std::uint32_t>& 
 	part.restCentre.reserve( cells.size() );
 	part.isSurface.reserve( cells.size() );
 	part.patch.reserve( lattice.patch.empty() ? 0 : cells.size() );
+	part.linkTo.reserve( links );
 	part.linkStart.reserve( cells.size() + 1 );
 	part.linkStart.push_back( 0 );
 	for ( const std::uint32_t cell : cells )

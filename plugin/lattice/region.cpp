@@ -73,6 +73,23 @@ std::vector<std::uint32_t> cubeCounts( const Lattice& lattice, int w )
 	return perCell;
 }
 
+/// Whether two successive cells are neighbours without a link, as most bodies with cracks have: the counts would differ from the rows.
+bool hasSeparateNeighbours( const Lattice& lattice )
+{
+	for ( std::uint32_t i = 0; i + 1 < std::uint32_t( lattice.cellCount() ); ++i )
+	{
+		if ( ( lattice.coordinate[i + 1] - lattice.coordinate[i] ).cwiseAbs().maxCoeff() == 1 )
+		{
+			const auto row = lattice.linkTo.begin() + lattice.linkStart[i], end = lattice.linkTo.begin() + lattice.linkStart[i + 1];
+			if ( !std::binary_search( row, end, i + 1 ) )
+			{
+				return true;
+			}
+		}
+	}
+	return false;
+}
+
 struct SearchJob
 {
 	const Lattice* lattice = nullptr;
@@ -186,6 +203,10 @@ RegionSet buildRegions( const Lattice& lattice, int halfWidth, TaskRunner* runne
 		regions.start[cell + 1] = regions.start[cell] + regions.size[cell];
 	}
 
+	if ( halfWidth == 1 && hasSeparateNeighbours( lattice ) )
+	{
+		return regions;
+	}
 	const std::vector<std::uint32_t> cube = cubeCounts( lattice, halfWidth );
 	regions.isFullCubes = !cube.empty() &&
 		std::equal(

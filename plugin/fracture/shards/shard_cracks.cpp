@@ -16,25 +16,23 @@ void ShardCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 {
 	m_overloads.clear();
 	m_moments.update( lattice, positions );
-	std::vector<std::uint32_t> stretched;
-	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
+	const std::uint32_t cells = std::uint32_t( lattice.cellCount() );
+	std::vector<std::uint8_t> isStretched( cells, 0 );
+	const double strength = double( m_law.breakStrain );
+	for ( std::uint32_t i = 0; i < cells; ++i )
 	{
 		for ( std::uint32_t k = limits.start[i]; m_moments.isNode( i ) && k < limits.start[i + 1]; ++k )
 		{
 			const std::uint32_t j = limits.to[k];
-			if ( m_moments.isNode( j ) && m_moments.distanceSquared( i, j ) > limits.lengthSquared[k] )
+			if ( ( isStretched[i] & isStretched[j] ) == 0 && m_moments.isNode( j ) &&
+				m_moments.distanceSquared( i, j ) > limits.lengthSquared[k] )
 			{
-				stretched.push_back( i );
-				stretched.push_back( j );
+				isStretched[i] = isStretched[j] = 1;
 			}
 		}
-	}
-	std::sort( stretched.begin(), stretched.end() );
-	stretched.erase( std::unique( stretched.begin(), stretched.end() ), stretched.end() );
-	const double strength = double( m_law.breakStrain );
-	for ( const std::uint32_t i : stretched )
-	{
-		if ( !positions.mayBreak( i ) || isStretchedLess( m_moments.of( i ).deformation(), strength * double( limits.weakest ) ) )
+		// All links of i are tested here: those to lower cells in their rows.
+		if ( isStretched[i] == 0 || !positions.mayBreak( i ) ||
+			isStretchedLess( m_moments.of( i ).deformation(), strength * double( limits.weakest ) ) )
 		{
 			continue;
 		}

@@ -285,8 +285,10 @@ std::vector<std::uint8_t> ShardEvent::crumble(
 		for ( std::uint32_t k = m_lattice.linkStart[a]; k < m_lattice.linkStart[a + 1]; ++k )
 		{
 			const std::uint32_t b = m_lattice.linkTo[k];
-			const bool isFace = ( m_lattice.coordinate[a].cast<int>() - m_lattice.coordinate[b].cast<int>() ).cwiseAbs().sum() == 1;
-			own.faces += isFace && crumb[b] != crumb[a] ? 0.5 * double( m_lattice.fill[a] + m_lattice.fill[b] ) : 0.0;
+			const auto isFace = [&] {
+				return ( m_lattice.coordinate[a].cast<int>() - m_lattice.coordinate[b].cast<int>() ).cwiseAbs().sum() == 1;
+			};
+			own.faces += crumb[b] != crumb[a] && isFace() ? 0.5 * double( m_lattice.fill[a] + m_lattice.fill[b] ) : 0.0;
 		}
 	}
 	for ( const ShardOverload& overload : overloads )

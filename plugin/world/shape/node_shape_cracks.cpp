@@ -78,8 +78,11 @@ bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>
 	{
 		return false;
 	}
-	freshen();
 	const bool hasLost = nodeBefore.size() < nodeNow.size(), isSameTree = exposed.empty() && !hasLost;
+	if ( !isSameTree )
+	{
+		freshen(); // leaves are inserted and removed by their boxes
+	}
 	const bool keepsNumbers = renumber( nodeNow, nodeBefore );
 	if ( hasLost && !body.levels() )
 	{
