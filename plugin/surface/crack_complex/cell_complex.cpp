@@ -85,11 +85,6 @@ bool isTableOf( const Table& table, std::size_t rows, std::size_t numbers )
 	return isWhole && std::all_of( table.entry.begin(), table.entry.end(), [numbers]( std::uint32_t n ) { return n < numbers; } );
 }
 
-bool hasRow( const Table& table, std::uint32_t row, std::uint32_t wanted )
-{
-	return std::binary_search( table.begin( row ), table.end( row ), wanted );
-}
-
 /// Calls visit for each triangle that a cell draws, as points.
 template <class F>
 void forTriangles( const CellComplex& complex, std::uint32_t cell, F&& visit )
@@ -134,7 +129,7 @@ Status validate( const CellComplex& complex )
 		forTriangles( complex, cell, [&]( const std::array<std::uint32_t, 3>& corner ) {
 			for ( const std::uint32_t p : corner )
 			{
-				isKnown = isKnown && p < points && hasRow( complex.cellsOfPoint, p, cell );
+				isKnown = isKnown && p < points && complex.cellsOfPoint.has( p, cell );
 			}
 		} );
 		if ( !isKnown )

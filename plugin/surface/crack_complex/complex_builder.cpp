@@ -6,10 +6,10 @@
 #include "lattice/inside/inside_field.h"
 #include "lattice/mesh/weld.h"
 #include "lattice/mesh/winding_number.h"
+#include "lattice/table.h"
 #include "surface/crack_complex/face_drawing.h"
 #include "surface/crack_complex/surface_pieces.h"
 #include "surface/crack_shapes/bent_chain.h"
-#include "surface/crack_shapes/table.h"
 #include "surface/skin/skinning.h"
 
 #include <algorithm>
