@@ -4,6 +4,7 @@
 #include "body/implicit_motion.h"
 #include "body/levels/levels.h"
 #include "body/rigid_state.h"
+#include "lattice/within_memory.h"
 #include "matching/clusters/cluster_matcher.h"
 #include "matching/regions/link_moments.h"
 #include "matching/rotation.h"
@@ -15,7 +16,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <new>
 
 namespace pliant {
 
@@ -93,8 +93,7 @@ Result<std::unique_ptr<Body>> Body::create( std::shared_ptr<const Lattice> latti
 	{
 		return Made::failure( ResultCode::BadSettings, "Adaptivity: a body with levels of detail takes no Material::farLevels." );
 	}
-	try
-	{
+	return withinMemory( "Not enough memory for a body of this many cells.", [&]() -> Made {
 		std::unique_ptr<Body> body( new Body );
 		body->m_lattice = std::move( lattice );
 		body->m_cache = std::move( cache );
@@ -109,11 +108,7 @@ Result<std::unique_ptr<Body>> Body::create( std::shared_ptr<const Lattice> latti
 		body->reserveMotionScratch();
 		body->place( placement );
 		return Made::success( std::move( body ) );
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Made::failure( ResultCode::OutOfMemory, "Not enough memory for a body of this many cells." );
-	}
+	} );
 }
 
 void Body::makeMeasures( bool isOnePart )
@@ -134,8 +129,7 @@ Status Body::setMaterial( const Material& wanted )
 		return Status{ ResultCode::BadMaterial, "A body that can break needs Method::Lattice." };
 	}
 	Material material = completed( wanted, *m_lattice );
-	try
-	{
+	return withinMemory( "Not enough memory to change the body's method.", [&]() -> Status {
 		std::unique_ptr<Matcher> matcher;
 		// A body with plastic flow has the tables for more of it, even where plasticity was switched off since.
 		const bool lacksInverse = !m_levels && material.yieldStrain > 0.0f && !needsInverse( m_material ) && !hasFlowed();
@@ -165,11 +159,7 @@ Status Body::setMaterial( const Material& wanted )
 			m_breaking->prepare( *m_lattice, m_material, std::move( m_breaking->limits.toughness ) );
 		}
 		return {};
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Status{ ResultCode::OutOfMemory, "Not enough memory to change the body's method." };
-	}
+	} );
 }
 
 void Body::setPinned( int node, bool pinned )

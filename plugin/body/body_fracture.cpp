@@ -6,6 +6,7 @@
 
 #include "fracture/constants.h"
 #include "fracture/shards/shard_cracks.h"
+#include "lattice/within_memory.h"
 #include "matching/step/lattice_matcher.h"
 
 #include <Eigen/Eigenvalues>
@@ -13,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <new>
 #include <utility>
 
 namespace pliant {
@@ -128,8 +128,7 @@ Status Body::setFracture( const Fracture& fracture, const ToughnessField& field,
 	{
 		return Status{ ResultCode::BadSettings, "Fracture needs Method::Lattice." };
 	}
-	try
-	{
+	return withinMemory( "Not enough memory for what a body of this many links needs to break.", [&]() -> Status {
 		Result<std::vector<float>> toughness = sampleToughness( *m_lattice, field );
 		if ( !toughness.ok() )
 		{
@@ -151,11 +150,7 @@ Status Body::setFracture( const Fracture& fracture, const ToughnessField& field,
 		m_fracture = fracture;
 		refineBeforeBreaking();
 		return {};
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Status{ ResultCode::OutOfMemory, "Not enough memory for what a body of this many links needs to break." };
-	}
+	} );
 }
 
 // Coarse nodes are split while the cells under them are still connected: a crack then never runs through one.

@@ -6,6 +6,7 @@
 #include "body/constants.h"
 #include "lattice/build/build_lattice.h"
 #include "lattice/features.h"
+#include "lattice/within_memory.h"
 #include "matching/regions/level_tables.h"
 #include "surface/crack_complex/cell_complex.h"
 #include "surface/crack_state/crack_patches.h"
@@ -17,8 +18,6 @@
 #include <algorithm>
 #include <chrono>
 #include <mutex>
-#include <new>
-#include <stdexcept>
 
 namespace pliant {
 
@@ -117,8 +116,7 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 	{
 		return Answer{ Status{ status.code, status.sentence + " Ask for Skinning::None." }, nullptr };
 	}
-	try
-	{
+	return withinMemory( kNoMemoryToBuild, [&]() -> Answer {
 		Result<LatticeBuild> built = buildLattice( mesh, settings );
 		if ( !built.ok() )
 		{
@@ -153,15 +151,7 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 		}
 		data.report.seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 		return Answer::success( made );
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
-	catch ( const std::length_error& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
+	} );
 }
 
 Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::scaled( float factor ) const
@@ -171,8 +161,7 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::scaled( float factor )
 	{
 		return Answer::failure( ResultCode::BadArgument, "BodyTemplate::scaled: the factor must be within 1e-6 to 1e6." );
 	}
-	try
-	{
+	return withinMemory( kNoMemoryToBuild, [&]() -> Answer {
 		const std::shared_ptr<BodyTemplate> made( new BodyTemplate );
 		Data& data = *made->m_data;
 		const Data& from = *m_data;
@@ -198,11 +187,7 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::scaled( float factor )
 		data.settings.cellSize *= factor;
 		data.settings.shellThickness *= factor;
 		return Answer::success( made );
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
+	} );
 }
 
 // Caches and the crack complex are derived from the rest.

@@ -9,11 +9,11 @@
 #include "lattice/build/slivers.h"
 #include "lattice/constants.h"
 #include "lattice/region.h"
+#include "lattice/within_memory.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <new>
 #include <optional>
 
 namespace pliant {
@@ -396,18 +396,10 @@ Result<LatticeBuild> buildLattice( const MeshView& mesh, const LatticeSettings& 
 {
 	const auto start = std::chrono::steady_clock::now();
 	Result<LatticeBuild> result;
-	try
-	{
-		result.status = checkSettings( settings );
-		if ( result.ok() )
-		{
-			result.status = Builder( mesh, settings, result.value ).build();
-		}
-	}
-	catch ( const std::bad_alloc& )
-	{
-		result.status = outOfMemory();
-	}
+	result.status = withinMemory( kNoMemoryToBuild, [&]() {
+		const Status checked = checkSettings( settings );
+		return checked.ok() ? Builder( mesh, settings, result.value ).build() : checked;
+	} );
 	if ( !result.ok() )
 	{
 		result.value = LatticeBuild{};

@@ -6,7 +6,6 @@
 #include "lattice/ranges.h"
 
 #include <cmath>
-#include <new>
 
 namespace pliant {
 
@@ -37,21 +36,6 @@ Status checkSettings( const LatticeSettings& settings )
 				"LatticeSettings::shellThickness must be 0 (a cell's edge) to 1e7 m." },
 			{ isChoice( settings.shell, Shell::Always ), "LatticeSettings::shell is none of Shell's values." },
 			{ isChoice( settings.skinning, Skinning::None ), "LatticeSettings::skinning is none of Skinning's values." } } );
-}
-
-Status outOfMemory() noexcept
-{
-	Status status;
-	status.code = ResultCode::OutOfMemory;
-	try
-	{
-		status.sentence = "Not enough memory to build the body; a larger LatticeSettings::cellSize needs less.";
-	}
-	catch ( const std::bad_alloc& )
-	{
-		status.sentence = "Out of memory."; // short enough to be stored without an allocation
-	}
-	return status;
 }
 
 } // namespace pliant

@@ -1,14 +1,12 @@
 #include "surface/crack_complex/cell_complex.h"
 
-#include "lattice/build/build_lattice.h"
+#include "lattice/within_memory.h"
 #include "surface/crack_complex/complex_builder.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
-#include <new>
-#include <stdexcept>
 
 namespace pliant {
 
@@ -30,8 +28,7 @@ Result<std::shared_ptr<const CellComplex>> CellComplex::build(
 	{
 		return Answer{ std::move( status ), nullptr };
 	}
-	try
-	{
+	return withinMemory( kNoMemoryToBuild, [&]() -> Answer {
 		const auto made = std::make_shared<CellComplex>();
 		if ( Status status = buildComplex( mesh, lattice, skin, build, settings, *made ); !status.ok() )
 		{
@@ -39,15 +36,7 @@ Result<std::shared_ptr<const CellComplex>> CellComplex::build(
 		}
 		made->report.seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 		return Answer::success( made );
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
-	catch ( const std::length_error& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
+	} );
 }
 
 std::uint32_t CellComplex::faceBetween( std::uint32_t a, std::uint32_t b ) const

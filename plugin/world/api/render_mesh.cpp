@@ -3,17 +3,15 @@
 #include "pliant/render/render_mesh.h"
 
 #include "body/levels/levels.h"
-#include "lattice/build/build_lattice.h"
 #include "lattice/features.h"
 #include "lattice/mesh/weld.h"
+#include "lattice/within_memory.h"
 #include "surface/crack_complex/cell_complex.h"
 #include "surface/render/vertex_data.h"
 #include "world/api/drawn_mesh.h"
 #include "world/step/soft_body_system.h"
 
 #include <mutex>
-#include <new>
-#include <stdexcept>
 
 namespace pliant {
 
@@ -73,8 +71,7 @@ Result<std::shared_ptr<const RenderMesh>> RenderMesh::bind( std::shared_ptr<cons
 	{
 		return Answer::failure( ResultCode::BadArgument, "RenderMesh::bind: the template must not be null." );
 	}
-	try
-	{
+	return withinMemory( kNoMemoryToBuild, [&]() -> Answer {
 		WeldedMesh welded;
 		BuildReport report;
 		if ( Status status = weldMesh( mesh, bodyTemplate->settings(), welded, report ); !status.ok() )
@@ -98,15 +95,7 @@ Result<std::shared_ptr<const RenderMesh>> RenderMesh::bind( std::shared_ptr<cons
 			data.view(), bodyTemplate->lattice(), welded.weldedVertex, kind == Skinning::None ? Skinning::NearbyNodes : kind );
 		data.bodyTemplate = std::move( bodyTemplate );
 		return Answer::success( made );
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
-	catch ( const std::length_error& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
+	} );
 }
 
 int RenderMesh::vertexCount() const
@@ -197,16 +186,11 @@ Result<std::unique_ptr<RenderSkin>> RenderSkin::create( std::shared_ptr<const Re
 	{
 		return Answer::failure( ResultCode::BadArgument, "RenderSkin::create: the mesh must not be null." );
 	}
-	try
-	{
+	return withinMemory( kNoMemoryToBuild, [&]() -> Answer {
 		std::unique_ptr<RenderSkin> made( new RenderSkin );
 		made->m_impl->mesh = std::move( mesh );
 		return Answer::success( std::move( made ) );
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
+	} );
 }
 
 SurfaceView RenderSkin::surface( const SoftBody& body )

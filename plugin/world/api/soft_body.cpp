@@ -1,11 +1,11 @@
 #include "pliant/soft_body.h"
 
+#include "lattice/within_memory.h"
 #include "world/bodies/placing.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"
 
 #include <cassert>
-#include <new>
 
 namespace pliant {
 
@@ -59,8 +59,7 @@ SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplat
 	{
 		return SoftBodyResult{ std::move( sound ), nullptr };
 	}
-	try
-	{
+	return withinMemory( "Not enough memory for a soft body of this many cells.", [&]() -> SoftBodyResult {
 		Result<std::unique_ptr<Body>> made = Body::create( bodyTemplate->sharedLattice(), material,
 			placementOf( bodyTemplate->lattice(), transform ), bodyTemplate->cache(), adaptivity, stiffness );
 		if ( !made )
@@ -74,11 +73,7 @@ SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplat
 		impl.body = std::move( made.value );
 		impl.finish( *soft );
 		return SoftBodyResult::success( std::move( soft ) );
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return SoftBodyResult::failure( ResultCode::OutOfMemory, "Not enough memory for a soft body of this many cells." );
-	}
+	} );
 }
 
 SoftBody::~SoftBody()

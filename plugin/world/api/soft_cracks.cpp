@@ -1,12 +1,12 @@
 // Cracks in the skin: the crack faces that are drawn, and the state kept for them.
 
 #include "lattice/guarded_tasks.h"
+#include "lattice/within_memory.h"
 #include "surface/crack_shapes/cell_owners.h"
 #include "world/api/drawn_mesh.h"
 #include "world/step/soft_body_system.h"
 
 #include <algorithm>
-#include <new>
 
 namespace pliant {
 
@@ -168,8 +168,7 @@ Status SoftBody::prepareCracks()
 	{
 		return status;
 	}
-	try
-	{
+	return withinMemory( "Not enough memory for the body's crack surfaces.", [&]() -> Status {
 		m_impl->makeSharedCrackState();
 		if ( m_impl->crackFamily )
 		{
@@ -177,11 +176,7 @@ Status SoftBody::prepareCracks()
 		}
 		m_impl->body->prepareToBreak();
 		return {};
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Status{ ResultCode::OutOfMemory, "Not enough memory for the body's crack surfaces." };
-	}
+	} );
 }
 
 void SoftBody::Impl::noteCracks( const BreakReport& report )
