@@ -109,17 +109,6 @@ std::vector<std::uint32_t> intervalWidths( const Octree& octree, const Cut& cut,
 	return width;
 }
 
-std::vector<std::uint32_t> constantWidths( const Octree& octree, const Cut& cut, float halfWidth )
-{
-	std::vector<std::uint32_t> width;
-	width.reserve( cut.node.size() );
-	for ( const std::uint32_t node : cut.node )
-	{
-		width.push_back( std::uint32_t( std::round( std::max( spacingOf( octree, node ), kUnitsPerCell * double( halfWidth ) ) ) ) );
-	}
-	return width;
-}
-
 std::vector<SlotSpan> slotSpans( const Octree& octree, const Cut& cut )
 {
 	std::vector<SlotSpan> spans( octree.parent.size(), SlotSpan{ kNoNode, 0 } );
