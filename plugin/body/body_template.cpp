@@ -4,9 +4,9 @@
 
 #include "archive/settings_archive.h"
 #include "body/constants.h"
+#include "lattice/attempt.h"
 #include "lattice/build/build_lattice.h"
 #include "lattice/features.h"
-#include "lattice/within_memory.h"
 #include "matching/regions/level_tables.h"
 #include "surface/crack_complex/cell_complex.h"
 #include "surface/crack_state/crack_patches.h"
@@ -108,30 +108,23 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 {
 	using Answer = Result<std::shared_ptr<const BodyTemplate>>;
 	const auto start = std::chrono::steady_clock::now();
-	if ( Status status = check( settings.cracks ); !status.ok() )
-	{
-		return Answer{ std::move( status ), nullptr };
-	}
-	if ( Status status = settings.skinning != Skinning::None ? requireFeature( Feature::Surface ) : Status{}; !status.ok() )
-	{
-		return Answer{ Status{ status.code, status.sentence + " Ask for Skinning::None." }, nullptr };
-	}
 	return withinMemory( kNoMemoryToBuild, [&]() -> Answer {
-		Result<LatticeBuild> built = buildLattice( mesh, settings );
-		if ( !built.ok() )
+		insist( check( settings.cracks ) );
+		if ( Status status = settings.skinning != Skinning::None ? requireFeature( Feature::Surface ) : Status{}; !status.ok() )
 		{
-			return Answer::failure( built.status.code, std::move( built.status.sentence ) );
+			reject( status.code, status.sentence + " Ask for Skinning::None." );
 		}
+		LatticeBuild built = insist( buildLattice( mesh, settings ) );
 		const std::shared_ptr<BodyTemplate> made( new BodyTemplate );
 		Data& data = *made->m_data;
-		data.lattice = std::make_shared<const Lattice>( std::move( built.value.lattice ) );
+		data.lattice = std::make_shared<const Lattice>( std::move( built.lattice ) );
 		if ( settings.skinning != Skinning::None )
 		{
 			data.positions = packedPositions( mesh );
 			MeshView packedMesh = mesh;
 			packedMesh.positions = data.positions.data();
 			packedMesh.positionStride = 3;
-			data.skin = bindSkin( packedMesh, *data.lattice, built.value.weldedVertex, settings.skinning );
+			data.skin = bindSkin( packedMesh, *data.lattice, built.weldedVertex, settings.skinning );
 			data.vertexCount = int( mesh.vertexCount );
 			data.triangleCount = int( mesh.triangleCount );
 			data.indices = copyOf( mesh.indices, 3 * mesh.triangleCount );
@@ -144,7 +137,7 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 		data.settings = settings;
 		data.settings.runner = nullptr; // owned by the game, valid only during the build
 		data.settings.progress = nullptr;
-		data.report = built.value.report;
+		data.report = built.report;
 		if ( data.report.shellCells == data.report.cells )
 		{
 			data.settings.shell = Shell::Always; // without an inside, cracks need not search for one
@@ -157,11 +150,9 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::scaled( float factor ) const
 {
 	using Answer = Result<std::shared_ptr<const BodyTemplate>>;
-	if ( !( factor >= kSmallestScale && factor <= kLargestScale ) )
-	{
-		return Answer::failure( ResultCode::BadArgument, "BodyTemplate::scaled: the factor must be within 1e-6 to 1e6." );
-	}
 	return withinMemory( kNoMemoryToBuild, [&]() -> Answer {
+		rejectIf(
+			!( factor >= kSmallestScale && factor <= kLargestScale ), "BodyTemplate::scaled", "the factor must be within 1e-6 to 1e6." );
 		const std::shared_ptr<BodyTemplate> made( new BodyTemplate );
 		Data& data = *made->m_data;
 		const Data& from = *m_data;

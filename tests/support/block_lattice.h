@@ -14,7 +14,7 @@ inline void linkBlock( Lattice& lattice )
 {
 	const Eigen::Vector3i n = lattice.extent;
 	lattice.linkStart.push_back( 0 );
-	for ( const Cell& at : lattice.coordinate )
+	for ( const auto& at : lattice.coordinate )
 	{
 		const Eigen::Vector3i low = ( at.cast<int>().array() - 1 ).max( 0 );
 		const Eigen::Vector3i high = ( at.cast<int>().array() + 1 ).min( n.array() - 1 );

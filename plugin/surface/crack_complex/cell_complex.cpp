@@ -1,6 +1,6 @@
 #include "surface/crack_complex/cell_complex.h"
 
-#include "lattice/within_memory.h"
+#include "lattice/attempt.h"
 #include "surface/crack_complex/complex_builder.h"
 
 #include <algorithm>
@@ -24,16 +24,10 @@ Result<std::shared_ptr<const CellComplex>> CellComplex::build(
 {
 	using Answer = Result<std::shared_ptr<const CellComplex>>;
 	const auto start = std::chrono::steady_clock::now();
-	if ( Status status = check( settings ); !status.ok() )
-	{
-		return Answer{ std::move( status ), nullptr };
-	}
 	return withinMemory( kNoMemoryToBuild, [&]() -> Answer {
+		insist( check( settings ) );
 		const auto made = std::make_shared<CellComplex>();
-		if ( Status status = buildComplex( mesh, lattice, skin, build, settings, *made ); !status.ok() )
-		{
-			return Answer{ std::move( status ), nullptr };
-		}
+		buildComplex( mesh, lattice, skin, build, settings, *made );
 		made->report.seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 		return Answer::success( made );
 	} );

@@ -1,7 +1,7 @@
 // Cracks in the skin: the crack faces that are drawn, and the state kept for them.
 
+#include "lattice/attempt.h"
 #include "lattice/guarded_tasks.h"
-#include "lattice/within_memory.h"
 #include "surface/crack_shapes/cell_owners.h"
 #include "world/api/drawn_mesh.h"
 #include "world/step/soft_body_system.h"
@@ -164,18 +164,14 @@ void SoftBody::Impl::makeSharedCrackState()
 
 Status SoftBody::prepareCracks()
 {
-	if ( Status status = m_impl->checkTime( "prepareCracks" ); !status.ok() )
-	{
-		return status;
-	}
-	return withinMemory( "Not enough memory for the body's crack surfaces.", [&]() -> Status {
+	return withinMemory( "Not enough memory for the body's crack surfaces.", [&]() {
+		insist( m_impl->checkTime( "prepareCracks" ) );
 		m_impl->makeSharedCrackState();
 		if ( m_impl->crackFamily )
 		{
 			m_impl->crackFamily->prepare();
 		}
 		m_impl->body->prepareToBreak();
-		return {};
 	} );
 }
 

@@ -1,7 +1,7 @@
 #include "pliant/io/snapshot.h"
 
 #include "lattice/features.h"
-#include "lattice/within_memory.h"
+#include "lattice/attempt.h"
 #include "world/bodies/placing.h"
 #include "world/io/snapshot_format.h"
 #include "world/io/world_snapshot.h"
