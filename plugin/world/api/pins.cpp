@@ -26,10 +26,7 @@ const char* const kPinCalls[] = { "pinNode", "pinNodeToBody", "driveNode" }; // 
 Status SoftBody::pin( const PinRequest& request )
 {
 	return attempt( [&]() {
-		if ( !m_impl->hasNode( request.node ) )
-		{
-			return refused( "pinNode", "there is no node of this number." ); // the others have looked
-		}
+		rejectIf( !m_impl->hasNode( request.node ), "pinNode", "there is no node of this number." ); // the others have looked
 		insist( m_impl->checkTime( kPinCalls[request.kind] ) );
 		Impl& impl = *m_impl;
 		Pin* pin = impl.findPin( request.node );
