@@ -116,8 +116,8 @@ void endJoints( pliant_world& world, const btCollisionObject* at );
 /// Destroys a frame and its joints.
 void destroyFrame( pliant_world& world, pliant_id frame );
 
-/// The reason why an identity names no object of the required kind.
-Refusal refusalOf( const pliant_world* world, pliant_id id, const char* kind );
+/// Rejects an identity that names no object of the required kind, for its reason.
+[[noreturn]] void rejectIdentity( const pliant_world* world, pliant_id id, const char* kind );
 
 /// Calls `work( SoftBody& )`.
 template <class F>
@@ -125,7 +125,11 @@ pliant_result withSoft( const pliant_world* world, pliant_id body, F&& work ) no
 {
 	return call( [&]() {
 		SoftBody* const soft = world ? softBody( *world, body ) : nullptr;
-		return soft ? work( *soft ) : throw refusalOf( world, body, "soft body" );
+		if ( !soft )
+		{
+			rejectIdentity( world, body, "soft body" );
+		}
+		return work( *soft );
 	} );
 }
 
@@ -140,7 +144,11 @@ pliant_result withRigid( const pliant_world* world, pliant_id rigid, F&& work ) 
 {
 	return call( [&]() {
 		btRigidBody* const body = world ? rigidBody( *world, rigid ) : nullptr;
-		return body ? work( *body ) : throw refusalOf( world, rigid, "rigid body" );
+		if ( !body )
+		{
+			rejectIdentity( world, rigid, "rigid body" );
+		}
+		return work( *body );
 	} );
 }
 
@@ -150,7 +158,11 @@ pliant_result withObject( const pliant_world* world, pliant_id id, F&& work ) no
 {
 	return call( [&]() {
 		btCollisionObject* const found = world ? object( *world, id ) : nullptr;
-		return found ? work( *found ) : throw refusalOf( world, id, "object" );
+		if ( !found )
+		{
+			rejectIdentity( world, id, "object" );
+		}
+		return work( *found );
 	} );
 }
 

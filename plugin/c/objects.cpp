@@ -157,12 +157,11 @@ pliant_id identityInEvent( const pliant_world& world, const SoftBody* body )
 	return isGone ? 0 : identityOf( *body );
 }
 
-Refusal refusalOf( const pliant_world* world, pliant_id id, const char* kind )
+void rejectIdentity( const pliant_world* world, pliant_id id, const char* kind )
 {
 	requirePointers( world );
-	return Refusal{ object( *world, id )
-			? refuse( PLIANT_BAD_ARGUMENT, ( std::string( "The object is no " ) + kind + "." ).c_str() )
-			: refuse( PLIANT_NO_SUCH_OBJECT, "No object of the world has this identity: it is gone, or was never there." ) };
+	rejectIf( object( *world, id ) != nullptr, PLIANT_BAD_ARGUMENT, ( std::string( "The object is no " ) + kind + "." ).c_str() );
+	reject( PLIANT_NO_SUCH_OBJECT, "No object of the world has this identity: it is gone, or was never there." );
 }
 
 } // namespace pliant::c

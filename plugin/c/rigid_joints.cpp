@@ -174,7 +174,7 @@ pliant_result pliant_joint_create(
 		btRigidBody* const two = second != 0 ? rigidBody( *world, second ) : nullptr;
 		if ( second != 0 && !two )
 		{
-			throw refusalOf( world, second, "rigid body" );
+			rejectIdentity( world, second, "rigid body" );
 		}
 		*made = create( *world, one, two, settings );
 	} );

@@ -44,7 +44,7 @@ inline void insist( Status status )
 {
 	if ( !status.ok() )
 	{
-		throw Refusal{ std::move( status ) };
+		reject( status.code, std::move( status.sentence ) );
 	}
 }
 

@@ -4,7 +4,6 @@
 #include "body/levels/levels.h"
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
-#include "support/block_lattice.h"
 #include "support/pulled_bar.h"
 #include "support/shapes.h"
 
