@@ -4,6 +4,7 @@
 #include "body/implicit_motion.h"
 #include "body/levels/levels.h"
 #include "body/rigid_state.h"
+#include "lattice/attempt.h"
 #include "matching/clusters/cluster_matcher.h"
 #include "matching/regions/link_moments.h"
 #include "matching/rotation.h"
@@ -15,7 +16,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <new>
 
 namespace pliant {
 
@@ -73,47 +73,26 @@ Result<std::unique_ptr<Body>> Body::create( std::shared_ptr<const Lattice> latti
 	std::shared_ptr<TemplateCache> cache, const Adaptivity& adaptivity, const StiffnessField& stiffness )
 {
 	using Made = Result<std::unique_ptr<Body>>;
-	if ( !lattice || lattice->cellCount() == 0 )
-	{
-		return Made::failure( ResultCode::BadArgument, "A body needs a lattice with at least one cell." );
-	}
-	if ( Status status = check( material ); !status.ok() )
-	{
-		return Made{ std::move( status ), nullptr };
-	}
-	if ( Status status = check( adaptivity ); !status.ok() )
-	{
-		return Made{ std::move( status ), nullptr };
-	}
-	if ( adaptivity.coarseLevels > 0 && material.method != Method::Lattice )
-	{
-		return Made::failure( ResultCode::BadSettings, "Adaptivity: levels need Method::Lattice." );
-	}
-	if ( adaptivity.coarseLevels > 0 && material.farLevels > 0 )
-	{
-		return Made::failure( ResultCode::BadSettings, "Adaptivity: a body with levels of detail takes no Material::farLevels." );
-	}
-	try
-	{
+	return withinMemory( "Not enough memory for a body of this many cells.", [&]() -> Made {
+		rejectIf( !lattice || lattice->cellCount() == 0, ResultCode::BadArgument, "A body needs a lattice with at least one cell." );
+		insist( check( material ) );
+		insist( check( adaptivity ) );
+		const bool hasLevels = adaptivity.coarseLevels > 0;
+		rejectIf( hasLevels && material.method != Method::Lattice, ResultCode::BadSettings, "Adaptivity: levels need Method::Lattice." );
+		rejectIf( hasLevels && material.farLevels > 0, ResultCode::BadSettings,
+			"Adaptivity: a body with levels of detail takes no Material::farLevels." );
 		std::unique_ptr<Body> body( new Body );
 		body->m_lattice = std::move( lattice );
 		body->m_cache = std::move( cache );
 		body->m_material = completed( material, *body->m_lattice );
-		if ( Status status = body->sampleStiffness( stiffness ); !status.ok() )
-		{
-			return Made{ std::move( status ), nullptr };
-		}
+		insist( body->sampleStiffness( stiffness ) );
 		body->makeNodes( adaptivity );
 		body->makeMeasures( countComponents( *body->m_lattice ) == 1 );
 		body->m_matcher = body->makeMatcher( body->m_material );
 		body->reserveMotionScratch();
 		body->place( placement );
 		return Made::success( std::move( body ) );
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Made::failure( ResultCode::OutOfMemory, "Not enough memory for a body of this many cells." );
-	}
+	} );
 }
 
 void Body::makeMeasures( bool isOnePart )
@@ -125,27 +104,17 @@ void Body::makeMeasures( bool isOnePart )
 
 Status Body::setMaterial( const Material& wanted )
 {
-	if ( Status status = check( wanted ); !status.ok() )
-	{
-		return status;
-	}
-	if ( m_breaking && wanted.method != Method::Lattice )
-	{
-		return Status{ ResultCode::BadMaterial, "A body that can break needs Method::Lattice." };
-	}
-	Material material = completed( wanted, *m_lattice );
-	try
-	{
+	return withinMemory( "Not enough memory to change the body's method.", [&]() {
+		insist( check( wanted ) );
+		rejectIf( m_breaking && wanted.method != Method::Lattice, ResultCode::BadMaterial, "A body that can break needs Method::Lattice." );
+		Material material = completed( wanted, *m_lattice );
 		std::unique_ptr<Matcher> matcher;
 		// A body with plastic flow has the tables for more of it, even where plasticity was switched off since.
 		const bool lacksInverse = !m_levels && material.yieldStrain > 0.0f && !needsInverse( m_material ) && !hasFlowed();
 		if ( lacksInverse || needsNewMatcher( m_material, material, m_levels != nullptr ) )
 		{
-			if ( m_levels )
-			{
-				return Status{ ResultCode::BadMaterial,
-					"Method, weights, beta, half-width and far levels of a body with levels are fixed when it is made." };
-			}
+			rejectIf( m_levels != nullptr, ResultCode::BadMaterial,
+				"Method, weights, beta, half-width and far levels of a body with levels are fixed when it is made." );
 			matcher = makeMatcher( material );
 			matcher->reset( m_nodes, bestFit().rotation );
 		}
@@ -164,12 +133,7 @@ Status Body::setMaterial( const Material& wanted )
 		{
 			m_breaking->prepare( *m_lattice, m_material, std::move( m_breaking->limits.toughness ) );
 		}
-		return {};
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Status{ ResultCode::OutOfMemory, "Not enough memory to change the body's method." };
-	}
+	} );
 }
 
 void Body::setPinned( int node, bool pinned )

@@ -6,6 +6,7 @@
 
 #include "fracture/constants.h"
 #include "fracture/shards/shard_cracks.h"
+#include "lattice/attempt.h"
 #include "matching/step/lattice_matcher.h"
 
 #include <Eigen/Eigenvalues>
@@ -13,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <new>
 #include <utility>
 
 namespace pliant {
@@ -114,48 +114,28 @@ float Breaking::candidateStrain( float strain ) const
 
 Status Body::setFracture( const Fracture& fracture, const ToughnessField& field, const ShardCentres& centres )
 {
-	if ( Status status = check( fracture ); !status.ok() )
-	{
-		return status;
-	}
-	if ( fracture.rule == BreakRule::Never )
-	{
-		m_fracture = fracture;
-		m_breaking.reset();
-		return {};
-	}
-	if ( m_material.method != Method::Lattice )
-	{
-		return Status{ ResultCode::BadSettings, "Fracture needs Method::Lattice." };
-	}
-	try
-	{
-		Result<std::vector<float>> toughness = sampleToughness( *m_lattice, field );
-		if ( !toughness.ok() )
+	return withinMemory( "Not enough memory for what a body of this many links needs to break.", [&]() {
+		insist( check( fracture ) );
+		if ( fracture.rule == BreakRule::Never )
 		{
-			return toughness.status;
+			m_fracture = fracture;
+			m_breaking.reset();
+			return;
 		}
-		const Result<GivenCentres> given = readCentres( fracture, centres );
-		if ( !given.ok() )
-		{
-			return given.status;
-		}
+		rejectIf( m_material.method != Method::Lattice, ResultCode::BadSettings, "Fracture needs Method::Lattice." );
+		std::vector<float> toughness = insist( sampleToughness( *m_lattice, field ) );
+		const GivenCentres given = insist( readCentres( fracture, centres ) );
 		auto breaking = std::make_unique<Breaking>();
 		breaking->settings = fracture;
 		if ( fracture.rule == BreakRule::Shards )
 		{
-			breaking->shards = std::make_unique<ShardCracks>( *m_lattice, fracture, given.value );
+			breaking->shards = std::make_unique<ShardCracks>( *m_lattice, fracture, given );
 		}
-		breaking->prepare( *m_lattice, m_material, std::move( toughness.value ) );
+		breaking->prepare( *m_lattice, m_material, std::move( toughness ) );
 		m_breaking = std::move( breaking );
 		m_fracture = fracture;
 		refineBeforeBreaking();
-		return {};
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Status{ ResultCode::OutOfMemory, "Not enough memory for what a body of this many links needs to break." };
-	}
+	} );
 }
 
 // Coarse nodes are split while the cells under them are still connected: a crack then never runs through one.

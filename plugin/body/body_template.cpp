@@ -4,6 +4,7 @@
 
 #include "archive/settings_archive.h"
 #include "body/constants.h"
+#include "lattice/attempt.h"
 #include "lattice/build/build_lattice.h"
 #include "lattice/features.h"
 #include "matching/regions/level_tables.h"
@@ -17,8 +18,6 @@
 #include <algorithm>
 #include <chrono>
 #include <mutex>
-#include <new>
-#include <stdexcept>
 
 namespace pliant {
 
@@ -109,31 +108,23 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 {
 	using Answer = Result<std::shared_ptr<const BodyTemplate>>;
 	const auto start = std::chrono::steady_clock::now();
-	if ( Status status = check( settings.cracks ); !status.ok() )
-	{
-		return Answer{ std::move( status ), nullptr };
-	}
-	if ( Status status = settings.skinning != Skinning::None ? requireFeature( Feature::Surface ) : Status{}; !status.ok() )
-	{
-		return Answer{ Status{ status.code, status.sentence + " Ask for Skinning::None." }, nullptr };
-	}
-	try
-	{
-		Result<LatticeBuild> built = buildLattice( mesh, settings );
-		if ( !built.ok() )
+	return withinMemory( kNoMemoryToBuild, [&]() -> Answer {
+		insist( check( settings.cracks ) );
+		if ( Status status = settings.skinning != Skinning::None ? requireFeature( Feature::Surface ) : Status{}; !status.ok() )
 		{
-			return Answer::failure( built.status.code, std::move( built.status.sentence ) );
+			reject( status.code, status.sentence + " Ask for Skinning::None." );
 		}
+		LatticeBuild built = insist( buildLattice( mesh, settings ) );
 		const std::shared_ptr<BodyTemplate> made( new BodyTemplate );
 		Data& data = *made->m_data;
-		data.lattice = std::make_shared<const Lattice>( std::move( built.value.lattice ) );
+		data.lattice = std::make_shared<const Lattice>( std::move( built.lattice ) );
 		if ( settings.skinning != Skinning::None )
 		{
 			data.positions = packedPositions( mesh );
 			MeshView packedMesh = mesh;
 			packedMesh.positions = data.positions.data();
 			packedMesh.positionStride = 3;
-			data.skin = bindSkin( packedMesh, *data.lattice, built.value.weldedVertex, settings.skinning );
+			data.skin = bindSkin( packedMesh, *data.lattice, built.weldedVertex, settings.skinning );
 			data.vertexCount = int( mesh.vertexCount );
 			data.triangleCount = int( mesh.triangleCount );
 			data.indices = copyOf( mesh.indices, 3 * mesh.triangleCount );
@@ -146,33 +137,22 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 		data.settings = settings;
 		data.settings.runner = nullptr; // owned by the game, valid only during the build
 		data.settings.progress = nullptr;
-		data.report = built.value.report;
+		data.report = built.report;
 		if ( data.report.shellCells == data.report.cells )
 		{
 			data.settings.shell = Shell::Always; // without an inside, cracks need not search for one
 		}
 		data.report.seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 		return Answer::success( made );
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
-	catch ( const std::length_error& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
+	} );
 }
 
 Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::scaled( float factor ) const
 {
 	using Answer = Result<std::shared_ptr<const BodyTemplate>>;
-	if ( !( factor >= kSmallestScale && factor <= kLargestScale ) )
-	{
-		return Answer::failure( ResultCode::BadArgument, "BodyTemplate::scaled: the factor must be within 1e-6 to 1e6." );
-	}
-	try
-	{
+	return withinMemory( kNoMemoryToBuild, [&]() -> Answer {
+		rejectIf(
+			!( factor >= kSmallestScale && factor <= kLargestScale ), "BodyTemplate::scaled", "the factor must be within 1e-6 to 1e6." );
 		const std::shared_ptr<BodyTemplate> made( new BodyTemplate );
 		Data& data = *made->m_data;
 		const Data& from = *m_data;
@@ -198,11 +178,7 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::scaled( float factor )
 		data.settings.cellSize *= factor;
 		data.settings.shellThickness *= factor;
 		return Answer::success( made );
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
+	} );
 }
 
 // Caches and the crack complex are derived from the rest.

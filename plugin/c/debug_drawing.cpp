@@ -2,6 +2,7 @@
 
 #include "c/handles.h"
 #include "c/numbers.h"
+#include "c/settings.h"
 #include "pliant/c/debug.h"
 #include "pliant/game/debug_draw.h"
 
@@ -11,42 +12,29 @@
 
 namespace pliant::c {
 
-namespace {
-
-pliant_debug_drawing inC( const DebugDrawing& drawing )
+template <class F>
+void fields( F& f, pliant_debug_drawing& c, DebugDrawing& m )
 {
-	pliant_debug_drawing c{};
-	c.bullet_mode = btIDebugDraw::DBG_DrawWireframe | btIDebugDraw::DBG_DrawConstraints;
-	c.surface_links = drawing.surfaceLinks ? 1 : 0;
-	c.links = drawing.links ? 1 : 0;
-	c.cells = drawing.cells ? 1 : 0;
-	c.strain = drawing.strain ? 1 : 0;
-	c.levels = drawing.levels ? 1 : 0;
-	c.regions = drawing.regions ? 1 : 0;
-	c.pins = drawing.pins ? 1 : 0;
-	c.attachments = drawing.attachments ? 1 : 0;
-	c.contacts = drawing.contacts ? 1 : 0;
-	c.full_strain = double( drawing.fullStrain );
-	c.metres_per_newton = double( drawing.metresPerNewton );
-	c.metres_per_impulse = double( drawing.metresPerImpulse );
-	return c;
+	f( c.surface_links, m.surfaceLinks );
+	f( c.links, m.links );
+	f( c.cells, m.cells );
+	f( c.strain, m.strain );
+	f( c.levels, m.levels );
+	f( c.regions, m.regions );
+	f( c.pins, m.pins );
+	f( c.attachments, m.attachments );
+	f( c.contacts, m.contacts );
+	f( c.full_strain, m.fullStrain );
+	f( c.metres_per_newton, m.metresPerNewton );
+	f( c.metres_per_impulse, m.metresPerImpulse );
 }
 
-DebugDrawing inCpp( const pliant_debug_drawing& c )
+namespace {
+
+pliant_debug_drawing defaultDrawing()
 {
-	DebugDrawing drawing;
-	drawing.surfaceLinks = c.surface_links != 0;
-	drawing.links = c.links != 0;
-	drawing.cells = c.cells != 0;
-	drawing.strain = c.strain != 0;
-	drawing.levels = c.levels != 0;
-	drawing.regions = c.regions != 0;
-	drawing.pins = c.pins != 0;
-	drawing.attachments = c.attachments != 0;
-	drawing.contacts = c.contacts != 0;
-	drawing.fullStrain = btScalar( c.full_strain );
-	drawing.metresPerNewton = btScalar( c.metres_per_newton );
-	drawing.metresPerImpulse = btScalar( c.metres_per_impulse );
+	auto drawing = inC<pliant_debug_drawing>( DebugDrawing{} );
+	drawing.bullet_mode = btIDebugDraw::DBG_DrawWireframe | btIDebugDraw::DBG_DrawConstraints;
 	return drawing;
 }
 
@@ -54,11 +42,11 @@ DebugDrawing inCpp( const pliant_debug_drawing& c )
 class Drawer : public btIDebugDraw
 {
 public:
-	Drawer( SoftBodyHost& host, const pliant_debug_drawing& what, pliant_draw_line line, void* context ) :
-		m_host( host ), m_before( host.debugDrawing() ), m_drawerBefore( host.bulletWorld().getDebugDrawer() ), m_mode( what.bullet_mode ),
+	Drawer( SoftBodyHost& host, const DebugDrawing& what, int mode, pliant_draw_line line, void* context ) :
+		m_host( host ), m_before( host.debugDrawing() ), m_drawerBefore( host.bulletWorld().getDebugDrawer() ), m_mode( mode ),
 		m_line( line ), m_context( context )
 	{
-		host.setDebugDrawing( inCpp( what ) );
+		host.setDebugDrawing( what );
 		host.bulletWorld().setDebugDrawer( this );
 	}
 	~Drawer() override
@@ -103,28 +91,19 @@ using namespace pliant::c;
 
 pliant_result pliant_debug_drawing_init( pliant_debug_drawing* drawing, uint32_t size )
 {
-	return writeSized( inC( DebugDrawing{} ), drawing, size );
+	return initSized( defaultDrawing(), drawing, size );
 }
 
 pliant_result pliant_world_draw( pliant_world* world, const pliant_debug_drawing* drawing, pliant_draw_line line, void* context )
 {
 	return withWorld( world, [&]( SoftBodyHost& host ) {
-		pliant_debug_drawing full = inC( DebugDrawing{} );
-		if ( !line )
-		{
-			return refuseNull();
-		}
-		if ( const pliant_result result = readSized( drawing, full ); result != PLIANT_OK )
-		{
-			return result;
-		}
-		if ( !( full.full_strain > 0 ) || !std::isfinite( full.full_strain ) || !std::isfinite( full.metres_per_newton ) ||
-			!std::isfinite( full.metres_per_impulse ) )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, "The full strain must be above 0, and all lengths must be finite." );
-		}
-		const Drawer drawer( host, full, line, context );
+		requirePointers( line );
+		pliant_debug_drawing full = defaultDrawing();
+		const auto what = take<DebugDrawing>( drawing, full );
+		rejectIf( !( full.full_strain > 0 ) || !std::isfinite( full.full_strain ) || !std::isfinite( full.metres_per_newton ) ||
+				!std::isfinite( full.metres_per_impulse ),
+			PLIANT_BAD_ARGUMENT, "The full strain must be above 0, and all lengths must be finite." );
+		const Drawer drawer( host, what, full.bullet_mode, line, context );
 		host.bulletWorld().debugDrawWorld();
-		return pliant_result( PLIANT_OK );
 	} );
 }

@@ -78,19 +78,12 @@ pliant_attachment_event inC( pliant_world& world, const AttachmentEvent& event )
 	return c;
 }
 
-pliant_result refuseIndex()
+/// The event of an index.
+template <class Events>
+const auto& eventOf( const Events& events, std::uint64_t index )
 {
-	return refuse( PLIANT_BAD_ARGUMENT, "The last step had no event of this index." );
-}
-
-pliant_result writeCount( std::size_t count, std::uint64_t* out )
-{
-	if ( !out )
-	{
-		return refuseNull();
-	}
-	*out = count;
-	return PLIANT_OK;
+	rejectIf( index >= events.size(), PLIANT_BAD_ARGUMENT, "The last step had no event of this index." );
+	return events[std::size_t( index )];
 }
 
 } // namespace
@@ -102,81 +95,60 @@ using namespace pliant::c;
 
 pliant_result pliant_world_get_fracture_count( const pliant_world* world, uint64_t* count )
 {
-	return withWorld( world, [&]( SoftBodyHost& host ) { return writeCount( host.fractureEvents().size(), count ); } );
+	return withWorld( world, [&]( SoftBodyHost& host ) { give( std::uint64_t( host.fractureEvents().size() ), count ); } );
 }
 
 pliant_result pliant_world_get_fracture( const pliant_world* world, uint64_t index, pliant_fracture_event* event, uint32_t size )
 {
-	return withWorld( world, [&]( SoftBodyHost& host ) {
-		const auto& events = host.fractureEvents();
-		return index < events.size() ? writeSized( inC( *world, events[std::size_t( index )] ), event, size ) : refuseIndex();
-	} );
+	return withWorld(
+		world, [&]( SoftBodyHost& host ) { writeSized( inC( *world, eventOf( host.fractureEvents(), index ) ), event, size ); } );
 }
 
 pliant_result pliant_world_get_fragments( const pliant_world* world, uint64_t index, pliant_id* ids, uint64_t capacity, uint64_t* count )
 {
 	return withWorld( world, [&]( SoftBodyHost& host ) {
-		const auto& events = host.fractureEvents();
-		if ( index >= events.size() )
-		{
-			return refuseIndex();
-		}
-		if ( !count || ( !ids && capacity > 0 ) )
-		{
-			return refuseNull();
-		}
-		const std::vector<SoftBody*>& fragments = events[std::size_t( index )].fragments;
+		const std::vector<SoftBody*>& fragments = eventOf( host.fractureEvents(), index ).fragments;
+		giveCount( fragments.size(), ids, capacity, count );
 		for ( std::size_t k = 0; k < fragments.size() && k < capacity; ++k )
 		{
 			ids[k] = identityInEvent( *world, fragments[k] );
 		}
-		*count = fragments.size();
-		return pliant_result( PLIANT_OK );
 	} );
 }
 
 pliant_result pliant_world_get_contact_count( const pliant_world* world, uint64_t* count )
 {
-	return withWorld( world, [&]( SoftBodyHost& host ) { return writeCount( host.contactEvents().size(), count ); } );
+	return withWorld( world, [&]( SoftBodyHost& host ) { give( std::uint64_t( host.contactEvents().size() ), count ); } );
 }
 
 pliant_result pliant_world_get_contact( pliant_world* world, uint64_t index, pliant_contact_event* event, uint32_t size )
 {
-	return withWorld( world, [&]( SoftBodyHost& host ) {
-		const auto& events = host.contactEvents();
-		return index < events.size() ? writeSized( inC( *world, events[std::size_t( index )] ), event, size ) : refuseIndex();
-	} );
+	return withWorld(
+		world, [&]( SoftBodyHost& host ) { writeSized( inC( *world, eventOf( host.contactEvents(), index ) ), event, size ); } );
 }
 
 pliant_result pliant_world_get_broken_attachment_count( const pliant_world* world, uint64_t* count )
 {
-	return withWorld( world, [&]( SoftBodyHost& host ) { return writeCount( host.attachmentEvents().size(), count ); } );
+	return withWorld( world, [&]( SoftBodyHost& host ) { give( std::uint64_t( host.attachmentEvents().size() ), count ); } );
 }
 
 pliant_result pliant_world_get_broken_attachment( pliant_world* world, uint64_t index, pliant_attachment_event* event, uint32_t size )
 {
-	return withWorld( world, [&]( SoftBodyHost& host ) {
-		const auto& events = host.attachmentEvents();
-		return index < events.size() ? writeSized( inC( *world, events[std::size_t( index )] ), event, size ) : refuseIndex();
-	} );
+	return withWorld(
+		world, [&]( SoftBodyHost& host ) { writeSized( inC( *world, eventOf( host.attachmentEvents(), index ) ), event, size ); } );
 }
 
 pliant_result pliant_world_cast_ray(
 	pliant_world* world, pliant_vec3 from, pliant_vec3 to, int32_t group, int32_t mask, pliant_ray_hit* hit, uint32_t size )
 {
 	return withWorld( world, [&]( SoftBodyHost& host ) {
-		if ( !isWithin( from, kMostPosition ) || !isWithin( to, kMostPosition ) )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, "The ends of the ray must be within 1e9 m." );
-		}
-		if ( !hit || !isSizeKnown<pliant_ray_hit>( size ) )
-		{
-			return writeSized( pliant_ray_hit{}, hit, size ); // refuses it before the ray gives an identity to anything
-		}
+		rejectIf( !isWithin( from, kMostPosition ) || !isWithin( to, kMostPosition ), PLIANT_BAD_ARGUMENT,
+			"The ends of the ray must be within 1e9 m." );
+		requireSized( hit, size ); // before the ray gives an identity to anything
 		NearestHit nearest( vectorOf( from ), vectorOf( to ) );
 		nearest.m_collisionFilterGroup = group;
 		nearest.m_collisionFilterMask = mask;
 		host.bulletWorld().rayTest( nearest.m_rayFromWorld, nearest.m_rayToWorld, nearest );
-		return writeSized( inC( *world, nearest, to ), hit, size );
+		writeSized( inC( *world, nearest, to ), hit, size );
 	} );
 }

@@ -106,36 +106,49 @@ pliant_id identityOf( const SoftBody& body );
 pliant_id identityInEvent( const pliant_world& world, const SoftBody* body );
 
 /// The settings that concern a body's membership of the world: the defaults for null.
-pliant_result takeMembership( const pliant_body_settings* given, pliant_body_settings& full );
-/// Adds a body to the world, which then owns it.
-pliant_result addMade( pliant_world& world, std::unique_ptr<SoftBody> body, const pliant_body_settings& full, pliant_id& made );
+pliant_body_settings takeMembership( const pliant_body_settings* given );
+/// Adds a body to the world, which then owns it; writes its identity.
+void addMade( pliant_world& world, std::unique_ptr<SoftBody> body, const pliant_body_settings& full, pliant_id& made );
 
 /// Ends the joints at an object before it is destroyed; null: all joints.
 void endJoints( pliant_world& world, const btCollisionObject* at );
 
 /// Destroys a frame and its joints.
-pliant_result destroyFrame( pliant_world& world, pliant_id frame );
+void destroyFrame( pliant_world& world, pliant_id frame );
 
-/// The reason why an identity names no object of the required kind.
-pliant_result refuseIdentity( const pliant_world* world, pliant_id id, const char* kind ) noexcept;
+/// Rejects an identity that names no object of the required kind, for its reason.
+[[noreturn]] void rejectIdentity( const pliant_world* world, pliant_id id, const char* kind );
 
 /// Calls `work( SoftBody& )`.
 template <class F>
 pliant_result withSoft( const pliant_world* world, pliant_id body, F&& work ) noexcept
 {
-	return call( [&]() -> pliant_result {
+	return call( [&]() {
 		SoftBody* const soft = world ? softBody( *world, body ) : nullptr;
-		return soft ? work( *soft ) : refuseIdentity( world, body, "soft body" );
+		if ( !soft )
+		{
+			rejectIdentity( world, body, "soft body" );
+		}
+		return work( *soft );
 	} );
+}
+
+inline void requireNode( const SoftBody& body, int node )
+{
+	rejectIf( node < 0 || node >= body.nodeCount(), PLIANT_BAD_ARGUMENT, "The body has no node of this index." );
 }
 
 /// Calls `work( btRigidBody& )`.
 template <class F>
 pliant_result withRigid( const pliant_world* world, pliant_id rigid, F&& work ) noexcept
 {
-	return call( [&]() -> pliant_result {
+	return call( [&]() {
 		btRigidBody* const body = world ? rigidBody( *world, rigid ) : nullptr;
-		return body ? work( *body ) : refuseIdentity( world, rigid, "rigid body" );
+		if ( !body )
+		{
+			rejectIdentity( world, rigid, "rigid body" );
+		}
+		return work( *body );
 	} );
 }
 
@@ -143,9 +156,13 @@ pliant_result withRigid( const pliant_world* world, pliant_id rigid, F&& work ) 
 template <class F>
 pliant_result withObject( const pliant_world* world, pliant_id id, F&& work ) noexcept
 {
-	return call( [&]() -> pliant_result {
+	return call( [&]() {
 		btCollisionObject* const found = world ? object( *world, id ) : nullptr;
-		return found ? work( *found ) : refuseIdentity( world, id, "object" );
+		if ( !found )
+		{
+			rejectIdentity( world, id, "object" );
+		}
+		return work( *found );
 	} );
 }
 
@@ -153,7 +170,10 @@ pliant_result withObject( const pliant_world* world, pliant_id id, F&& work ) no
 template <class F>
 pliant_result withWorld( const pliant_world* world, F&& work ) noexcept
 {
-	return call( [&]() -> pliant_result { return world ? work( *world->host ) : refuseNull(); } );
+	return call( [&]() {
+		requirePointers( world );
+		return work( *world->host );
+	} );
 }
 
 } // namespace pliant::c

@@ -9,6 +9,8 @@
 #include <LinearMath/btTransform.h>
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace pliant::c {
 
@@ -45,34 +47,35 @@ inline bool isWithin( double x, double low, double high )
 	return x >= low && x <= high;
 }
 
-/// False for a bad number, a position too far out and a quaternion of no length.
-inline bool takePose( const pliant_pose& pose, btTransform& out )
+/// Rejects a bad number, a position too far out and a quaternion of no length, with a code and a sentence.
+inline btTransform takePose( const pliant_pose& pose, pliant_result code = PLIANT_BAD_ARGUMENT,
+	const char* sentence = "The pose must be within 1e9 m, with a quaternion that is not zero." )
 {
 	const double* const q = pose.rotation;
 	const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-	if ( !isWithin( pose.position, kMostPosition ) || !isWithin( square, 1e-12, 1e12 ) )
-	{
-		return false;
-	}
-	out = btTransform( btQuaternion( btScalar( q[0] ), btScalar( q[1] ), btScalar( q[2] ), btScalar( q[3] ) ), vectorOf( pose.position ) );
-	return true;
+	rejectIf( !isWithin( pose.position, kMostPosition ) || !isWithin( square, 1e-12, 1e12 ), code, sentence );
+	return btTransform( btQuaternion( btScalar( q[0] ), btScalar( q[1] ), btScalar( q[2] ), btScalar( q[3] ) ), vectorOf( pose.position ) );
 }
 
-/// The same for an argument of a call.
-inline pliant_result readPose( const pliant_pose* pose, btTransform& out ) noexcept
+/// The same for an argument of a call, which may be null.
+inline btTransform readPose( const pliant_pose* pose )
 {
-	if ( !pose )
-	{
-		return refuseNull();
-	}
-	return takePose( *pose, out ) ? PLIANT_OK
-								  : refuse( PLIANT_BAD_ARGUMENT, "The pose must be within 1e9 m, with a quaternion that is not zero." );
+	requirePointers( pose );
+	return takePose( *pose );
 }
 
 inline pliant_pose poseOf( const btTransform& transform )
 {
 	const btQuaternion q = transform.getRotation();
 	return pliant_pose{ vectorOf( transform.getOrigin() ), { double( q.x() ), double( q.y() ), double( q.z() ), double( q.w() ) } };
+}
+
+/// User data as Bullet keeps it.
+inline void* userPointer( std::uint64_t data )
+{
+	rejectIf( data > std::numeric_limits<std::uintptr_t>::max(), PLIANT_BAD_ARGUMENT,
+		"The user data does not fit into a pointer of this machine." );
+	return reinterpret_cast<void*>( std::uintptr_t( data ) );
 }
 
 constexpr pliant_pose kOrigin = { { 0, 0, 0 }, { 0, 0, 0, 1 } };

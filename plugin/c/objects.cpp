@@ -8,8 +8,6 @@
 #include "world/step/world_step.h"
 
 #include <algorithm>
-#include <cstdint>
-#include <limits>
 #include <string>
 
 namespace pliant::c {
@@ -40,7 +38,7 @@ void noteDestroyed( pliant_world& world, const SoftBody& body )
 	world.destroyed.push_back( &body );
 }
 
-pliant_result destroySoft( pliant_world& world, SoftBody& body )
+void destroySoft( pliant_world& world, SoftBody& body )
 {
 	const auto made = world.madeSoft.find( &body );
 	noteDestroyed( world, body );
@@ -48,30 +46,25 @@ pliant_result destroySoft( pliant_world& world, SoftBody& body )
 	{
 		world.host->removeSoftBody( &body );
 		world.madeSoft.erase( made );
-		return PLIANT_OK;
+		return;
 	}
 	if ( !world.host->releaseFragment( &body ) )
 	{
 		world.destroyed.pop_back();
-		return refuse( PLIANT_BAD_ARGUMENT, "The body was made in C++, which destroys it." );
+		reject( PLIANT_BAD_ARGUMENT, "The body was made in C++, which destroys it." );
 	}
 	world.host->removeSoftBody( &body );
 	delete &body;
-	return PLIANT_OK;
 }
 
-pliant_result destroyOther( pliant_world& world, pliant_id id )
+void destroyOther( pliant_world& world, pliant_id id )
 {
 	const auto other = world.others.find( id );
-	if ( !other->second.made )
-	{
-		return refuse( PLIANT_BAD_ARGUMENT, "The object was made in C++, which destroys it." );
-	}
+	rejectIf( !other->second.made, PLIANT_BAD_ARGUMENT, "The object was made in C++, which destroys it." );
 	endJoints( world, other->second.object );
 	world.host->bulletWorld().removeRigidBody( other->second.made->body.get() );
 	world.idsOfOthers.erase( other->second.object );
 	world.others.erase( other );
-	return PLIANT_OK;
 }
 
 } // namespace
@@ -110,20 +103,17 @@ btRigidBody* rigidBody( const pliant_world& world, pliant_id id )
 	return found ? btRigidBody::upcast( found ) : nullptr;
 }
 
-pliant_result destroyFrame( pliant_world& world, pliant_id frame )
+void destroyFrame( pliant_world& world, pliant_id frame )
 {
 	const auto other = world.others.find( frame );
 	const btRigidBody* const rigid = btRigidBody::upcast( other->second.object );
 	const SoftBodySystem& bodies = world.host->step().bodies;
-	if ( bodies.isBusy() || !bodies.frames.find( *rigid ) )
-	{
-		return refuse( PLIANT_BAD_ARGUMENT, "The rigid body is no frame, or a step is in progress." );
-	}
+	rejectIf(
+		bodies.isBusy() || !bodies.frames.find( *rigid ), PLIANT_BAD_ARGUMENT, "The rigid body is no frame, or a step is in progress." );
 	endJoints( world, rigid );
 	world.host->removeFrame( rigid );
 	world.idsOfOthers.erase( rigid );
 	world.others.erase( other );
-	return PLIANT_OK;
 }
 
 pliant_id identityOf( const SoftBody& body )
@@ -167,17 +157,11 @@ pliant_id identityInEvent( const pliant_world& world, const SoftBody* body )
 	return isGone ? 0 : identityOf( *body );
 }
 
-pliant_result refuseIdentity( const pliant_world* world, pliant_id id, const char* kind ) noexcept
+void rejectIdentity( const pliant_world* world, pliant_id id, const char* kind )
 {
-	if ( !world )
-	{
-		return refuseNull();
-	}
-	if ( object( *world, id ) )
-	{
-		return call( [kind]() { return refuse( PLIANT_BAD_ARGUMENT, ( std::string( "The object is no " ) + kind + "." ).c_str() ); } );
-	}
-	return refuse( PLIANT_NO_SUCH_OBJECT, "No object of the world has this identity: it is gone, or was never there." );
+	requirePointers( world );
+	rejectIf( object( *world, id ) != nullptr, PLIANT_BAD_ARGUMENT, ( std::string( "The object is no " ) + kind + "." ).c_str() );
+	reject( PLIANT_NO_SUCH_OBJECT, "No object of the world has this identity: it is gone, or was never there." );
 }
 
 } // namespace pliant::c
@@ -188,86 +172,55 @@ using namespace pliant::c;
 pliant_result pliant_object_get_kind( const pliant_world* world, pliant_id object, int32_t* kind )
 {
 	return withObject( world, object, [&]( btCollisionObject& found ) {
-		if ( !kind )
-		{
-			return refuseNull();
-		}
-		*kind = SoftBody::upcast( &found ) ? PLIANT_KIND_SOFT : btRigidBody::upcast( &found ) ? PLIANT_KIND_RIGID : PLIANT_KIND_OTHER;
-		return pliant_result( PLIANT_OK );
+		const bool isRigid = btRigidBody::upcast( &found ) != nullptr;
+		give( std::int32_t( SoftBody::upcast( &found ) ? PLIANT_KIND_SOFT : isRigid ? PLIANT_KIND_RIGID : PLIANT_KIND_OTHER ), kind );
 	} );
 }
 
 pliant_result pliant_object_set_contact( pliant_world* world, pliant_id object, double friction, double restitution )
 {
 	return withObject( world, object, [&]( btCollisionObject& found ) {
-		if ( !isWithin( friction, 0, kMostFriction ) || !isWithin( restitution, 0, 1 ) )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, "Friction must be 0 to 1e6, and restitution 0 to 1." );
-		}
+		rejectIf( !isWithin( friction, 0, kMostFriction ) || !isWithin( restitution, 0, 1 ), PLIANT_BAD_ARGUMENT,
+			"Friction must be 0 to 1e6, and restitution 0 to 1." );
 		found.setFriction( btScalar( friction ) );
 		found.setRestitution( btScalar( restitution ) );
-		return pliant_result( PLIANT_OK );
 	} );
 }
 
 pliant_result pliant_object_get_contact( const pliant_world* world, pliant_id object, double* friction, double* restitution )
 {
 	return withObject( world, object, [&]( btCollisionObject& found ) {
-		friction ? void( *friction = double( found.getFriction() ) ) : void();
-		restitution ? void( *restitution = double( found.getRestitution() ) ) : void();
-		return pliant_result( PLIANT_OK );
+		offer( double( found.getFriction() ), friction );
+		offer( double( found.getRestitution() ), restitution );
 	} );
 }
 
 pliant_result pliant_object_wake( pliant_world* world, pliant_id object )
 {
-	return withObject( world, object, []( btCollisionObject& found ) {
-		found.activate();
-		return pliant_result( PLIANT_OK );
-	} );
+	return withObject( world, object, []( btCollisionObject& found ) { found.activate(); } );
 }
 
 pliant_result pliant_object_get_awake( const pliant_world* world, pliant_id object, int32_t* is_awake )
 {
-	return withObject( world, object, [&]( btCollisionObject& found ) {
-		if ( !is_awake )
-		{
-			return refuseNull();
-		}
-		*is_awake = found.isActive() ? 1 : 0;
-		return pliant_result( PLIANT_OK );
-	} );
+	return withObject( world, object, [&]( btCollisionObject& found ) { give( found.isActive() ? 1 : 0, is_awake ); } );
 }
 
 pliant_result pliant_object_set_user_data( pliant_world* world, pliant_id object, uint64_t data )
 {
-	return withObject( world, object, [&]( btCollisionObject& found ) {
-		if ( data > std::numeric_limits<std::uintptr_t>::max() )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, "The user data does not fit into a pointer of this machine." );
-		}
-		found.setUserPointer( reinterpret_cast<void*>( std::uintptr_t( data ) ) );
-		return pliant_result( PLIANT_OK );
-	} );
+	return withObject( world, object, [&]( btCollisionObject& found ) { found.setUserPointer( userPointer( data ) ); } );
 }
 
 pliant_result pliant_object_get_user_data( const pliant_world* world, pliant_id object, uint64_t* data )
 {
-	return withObject( world, object, [&]( btCollisionObject& found ) {
-		if ( !data )
-		{
-			return refuseNull();
-		}
-		*data = reinterpret_cast<std::uintptr_t>( found.getUserPointer() );
-		return pliant_result( PLIANT_OK );
-	} );
+	return withObject( world, object,
+		[&]( btCollisionObject& found ) { give( std::uint64_t( reinterpret_cast<std::uintptr_t>( found.getUserPointer() ) ), data ); } );
 }
 
 pliant_result pliant_object_destroy( pliant_world* world, pliant_id object )
 {
 	return withObject( world, object, [&]( btCollisionObject& found ) {
 		SoftBody* const soft = SoftBody::upcast( &found );
-		return soft ? destroySoft( *world, *soft ) : destroyOther( *world, object );
+		soft ? destroySoft( *world, *soft ) : destroyOther( *world, object );
 	} );
 }
 
@@ -288,23 +241,16 @@ pliant_id idOf( pliant_world* world, const btCollisionObject* object )
 	pliant_id id = 0;
 	if ( world )
 	{
-		static_cast<void>( c::call( [&]() -> pliant_result {
-			id = c::isInWorld( *world, object ) ? c::identityOf( *world, object ) : 0;
-			return PLIANT_OK;
-		} ) );
+		static_cast<void>( c::call( [&]() { id = c::isInWorld( *world, object ) ? c::identityOf( *world, object ) : 0; } ) );
 	}
 	return id;
 }
 
 pliant_result wrapTemplate( std::shared_ptr<const BodyTemplate> bodyTemplate, pliant_template** made )
 {
-	return c::call( [&]() -> pliant_result {
-		if ( !bodyTemplate || !made )
-		{
-			return c::refuseNull();
-		}
+	return c::call( [&]() {
+		c::requirePointers( bodyTemplate.get(), made );
 		*made = new pliant_template{ std::move( bodyTemplate ) };
-		return PLIANT_OK;
 	} );
 }
 

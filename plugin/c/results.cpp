@@ -80,13 +80,9 @@ int32_t pliant_bullet_scalar_size( void )
 
 pliant_result pliant_buffer_create( pliant_buffer** buffer )
 {
-	return call( [&]() -> pliant_result {
-		if ( !buffer )
-		{
-			return refuseNull();
-		}
+	return call( [&]() {
+		requirePointers( buffer );
 		*buffer = new pliant_buffer;
-		return PLIANT_OK;
 	} );
 }
 

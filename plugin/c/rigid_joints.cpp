@@ -40,7 +40,7 @@ bool isMotorGood( double velocity, double force )
 	return isWithin( velocity, -kMostSpeed, kMostSpeed ) && isWithin( force, 0, kMostForce );
 }
 
-pliant_result check( const pliant_joint_settings& settings )
+void check( const pliant_joint_settings& settings )
 {
 	const double reach = settings.kind == PLIANT_JOINT_HINGE ? double( SIMD_PI ) : kMostLength;
 	const bool hasLimits = settings.low <= settings.high;
@@ -49,7 +49,7 @@ pliant_result check( const pliant_joint_settings& settings )
 	const bool isGood = isWithin( settings.kind, PLIANT_JOINT_POINT, PLIANT_JOINT_FIXED ) && areLimitsGood &&
 		isMotorGood( settings.motor_velocity, settings.motor_force ) && settings.breaking_impulse >= 0 &&
 		std::isfinite( settings.breaking_impulse );
-	return isGood ? PLIANT_OK : refuse( PLIANT_BAD_SETTINGS, "pliant_joint_settings: a value is out of range." );
+	rejectIf( !isGood, PLIANT_BAD_SETTINGS, "pliant_joint_settings: a value is out of range." );
 }
 
 void setMotor( Joint& joint, double velocity, double force )
@@ -94,9 +94,9 @@ std::unique_ptr<btGeneric6DofSpring2Constraint> constraintOf(
 	return made;
 }
 
-pliant_result checkTime( const pliant_world& world )
+void checkTime( const pliant_world& world )
 {
-	return world.host->step().bodies.isBusy() ? refuse( PLIANT_BAD_ARGUMENT, "Joints cannot be made or ended during a step." ) : PLIANT_OK;
+	rejectIf( world.host->step().bodies.isBusy(), PLIANT_BAD_ARGUMENT, "Joints cannot be made or ended during a step." );
 }
 
 void wake( const Joint& joint )
@@ -109,33 +109,23 @@ void wake( const Joint& joint )
 template <class F>
 pliant_result withJoint( const pliant_world* world, pliant_id joint, F&& work ) noexcept
 {
-	return call( [&]() -> pliant_result {
-		if ( !world )
-		{
-			return refuseNull();
-		}
+	return call( [&]() {
+		requirePointers( world );
 		const auto found = world->joints.find( joint );
-		return found != world->joints.end() ? work( *found->second )
-											: refuse( PLIANT_NO_SUCH_OBJECT, "The world has no joint of this identity." );
+		rejectIf( found == world->joints.end(), PLIANT_NO_SUCH_OBJECT, "The world has no joint of this identity." );
+		work( *found->second );
 	} );
 }
 
-pliant_result create( pliant_world& world, btRigidBody& first, btRigidBody* second, const pliant_joint_settings* given, pliant_id& made )
+pliant_id create( pliant_world& world, btRigidBody& first, btRigidBody* second, const pliant_joint_settings* given )
 {
+	checkTime( world );
 	pliant_joint_settings settings = defaultJoint();
-	btTransform pose = btTransform::getIdentity();
-	pliant_result code = checkTime( world );
-	code = code == PLIANT_OK ? readSized( given, settings ) : code;
-	code = code == PLIANT_OK ? check( settings ) : code;
-	code = code == PLIANT_OK ? readPose( &settings.pose, pose ) : code;
-	if ( code != PLIANT_OK )
-	{
-		return code;
-	}
-	if ( &first == second || ( first.isStaticOrKinematicObject() && ( !second || second->isStaticOrKinematicObject() ) ) )
-	{
-		return refuse( PLIANT_BAD_ARGUMENT, "A joint needs two different bodies, at least one of them dynamic." );
-	}
+	readSized( given, settings );
+	check( settings );
+	const btTransform pose = takePose( settings.pose );
+	rejectIf( &first == second || ( first.isStaticOrKinematicObject() && ( !second || second->isStaticOrKinematicObject() ) ),
+		PLIANT_BAD_ARGUMENT, "A joint needs two different bodies, at least one of them dynamic." );
 	auto joint = std::make_unique<Joint>();
 	joint->constraint = constraintOf( first, second, settings, pose );
 	joint->first = &first;
@@ -147,8 +137,7 @@ pliant_result create( pliant_world& world, btRigidBody& first, btRigidBody* seco
 	world.host->bulletWorld().addConstraint( kept.constraint.get(), settings.bodies_collide == 0 );
 	world.lastOther = id;
 	wake( kept );
-	made = id;
-	return PLIANT_OK;
+	return id;
 }
 
 } // namespace
@@ -174,49 +163,40 @@ using namespace pliant::c;
 
 pliant_result pliant_joint_settings_init( pliant_joint_settings* settings, uint32_t size )
 {
-	return writeSized( defaultJoint(), settings, size );
+	return initSized( defaultJoint(), settings, size );
 }
 
 pliant_result pliant_joint_create(
 	pliant_world* world, pliant_id first, pliant_id second, const pliant_joint_settings* settings, pliant_id* made )
 {
 	return withRigid( world, first, [&]( btRigidBody& one ) {
-		if ( !made )
+		requirePointers( made );
+		btRigidBody* const two = second != 0 ? rigidBody( *world, second ) : nullptr;
+		if ( second != 0 && !two )
 		{
-			return refuseNull();
+			rejectIdentity( world, second, "rigid body" );
 		}
-		if ( second == 0 )
-		{
-			return create( *world, one, nullptr, settings, *made );
-		}
-		return withRigid( world, second, [&]( btRigidBody& two ) { return create( *world, one, &two, settings, *made ); } );
+		*made = create( *world, one, two, settings );
 	} );
 }
 
 pliant_result pliant_joint_destroy( pliant_world* world, pliant_id joint )
 {
 	return withJoint( world, joint, [&]( const Joint& found ) {
-		if ( const pliant_result code = checkTime( *world ); code != PLIANT_OK )
-		{
-			return code;
-		}
+		checkTime( *world );
 		wake( found );
 		world->host->bulletWorld().removeConstraint( found.constraint.get() );
 		world->joints.erase( joint );
-		return pliant_result( PLIANT_OK );
 	} );
 }
 
 pliant_result pliant_joint_set_motor( pliant_world* world, pliant_id joint, double velocity, double force )
 {
 	return withJoint( world, joint, [&]( Joint& found ) {
-		if ( drivenDirection( found.kind ) < 0 || !isMotorGood( velocity, force ) )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, "Only hinges and sliders have motors, of at most 1e5 in velocity and 1e12 in force." );
-		}
+		rejectIf( drivenDirection( found.kind ) < 0 || !isMotorGood( velocity, force ), PLIANT_BAD_ARGUMENT,
+			"Only hinges and sliders have motors, of at most 1e5 in velocity and 1e12 in force." );
 		setMotor( found, velocity, force );
 		wake( found );
-		return pliant_result( PLIANT_OK );
 	} );
 }
 
@@ -235,6 +215,6 @@ pliant_result pliant_joint_get_state( const pliant_world* world, pliant_id joint
 		now.impulse = double( found.constraint->getAppliedImpulse() );
 		now.motor_velocity = found.motorVelocity;
 		now.motor_force = found.motorForce;
-		return writeSized( now, state, size );
+		writeSized( now, state, size );
 	} );
 }

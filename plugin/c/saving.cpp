@@ -38,18 +38,23 @@ void takeOver( pliant_world& world, const std::vector<SoftBody*>& created )
 
 const char* const kBadFlags = "The flags have a bit that is none of PLIANT_SAVE_... or not for this call.";
 
-/// False for a list, or a template in it, that is null.
-bool takeTemplates( const pliant_template* const* given, std::uint64_t count, LoadSettings& settings )
+/// Rejects a list, or a template in it, that is null.
+LoadSettings takeTemplates( const pliant_template* const* given, std::uint64_t count )
 {
+	LoadSettings settings;
 	for ( std::uint64_t k = 0; k < count; ++k )
 	{
-		if ( !given || !given[k] )
-		{
-			return false;
-		}
+		requirePointers( given );
+		requirePointers( given[k] );
 		settings.templates.push_back( given[k]->shared );
 	}
-	return true;
+	return settings;
+}
+
+BytesView viewOf( const void* data, std::uint64_t count )
+{
+	requirePointers( data );
+	return BytesView( static_cast<const std::byte*>( data ), std::size_t( count ) );
 }
 
 void dropRemoved( pliant_world& world, const std::vector<SoftBody*>& removed )
@@ -67,18 +72,12 @@ void dropRemoved( pliant_world& world, const std::vector<SoftBody*>& removed )
 pliant_result pliant_world_save( const pliant_world* world, uint32_t flags, pliant_buffer* bytes )
 {
 	return withWorld( world, [&]( SoftBodyHost& host ) {
-		if ( !bytes )
-		{
-			return refuseNull();
-		}
-		if ( flags > ( PLIANT_SAVE_STATE_ONLY | PLIANT_SAVE_FOR_COMPARISON ) )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, kBadFlags );
-		}
+		requirePointers( bytes );
+		rejectIf( flags > ( PLIANT_SAVE_STATE_ONLY | PLIANT_SAVE_FOR_COMPARISON ), PLIANT_BAD_ARGUMENT, kBadFlags );
 		SaveSettings settings;
 		settings.withTemplates = ( flags & PLIANT_SAVE_STATE_ONLY ) == 0;
 		settings.forComparison = ( flags & PLIANT_SAVE_FOR_COMPARISON ) != 0;
-		return resultOf( saveWorld( host, bytes->bytes, settings ) );
+		return saveWorld( host, bytes->bytes, settings );
 	} );
 }
 
@@ -86,41 +85,25 @@ pliant_result pliant_world_restore(
 	pliant_world* world, const void* data, uint64_t byte_count, const pliant_template* const* templates, uint64_t template_count )
 {
 	return withWorld( world, [&]( SoftBodyHost& host ) {
-		LoadSettings settings;
-		if ( !data || !takeTemplates( templates, template_count, settings ) )
-		{
-			return refuseNull();
-		}
-		const auto restored = restoreWorld( host, BytesView( static_cast<const std::byte*>( data ), std::size_t( byte_count ) ), settings );
+		const auto restored = restoreWorld( host, viewOf( data, byte_count ), takeTemplates( templates, template_count ) );
 		if ( restored.ok() )
 		{
 			world->destroyed.clear();
 			dropRemoved( *world, restored.value.removed );
 			takeOver( *world, restored.value.created );
 		}
-		return resultOf( restored.status );
+		return restored.status;
 	} );
 }
 
 pliant_result pliant_body_save( const pliant_world* world, pliant_id body, uint32_t flags, pliant_buffer* bytes )
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
-		if ( !bytes )
-		{
-			return refuseNull();
-		}
-		if ( flags != PLIANT_SAVE_ALL && flags != PLIANT_SAVE_STATE_ONLY )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, kBadFlags );
-		}
+		requirePointers( bytes );
+		rejectIf( flags != PLIANT_SAVE_ALL && flags != PLIANT_SAVE_STATE_ONLY, PLIANT_BAD_ARGUMENT, kBadFlags );
 		SaveSettings settings;
 		settings.withTemplates = flags == PLIANT_SAVE_ALL;
-		auto saved = saveBody( soft, settings );
-		if ( saved.ok() )
-		{
-			bytes->bytes = std::move( saved.value );
-		}
-		return resultOf( saved.status );
+		return offer( saveBody( soft, settings ), &bytes->bytes );
 	} );
 }
 
@@ -128,17 +111,15 @@ pliant_result pliant_body_load( pliant_world* world, const void* data, uint64_t 
 	uint64_t template_count, const pliant_body_settings* settings, pliant_id* made )
 {
 	return withWorld( world, [&]( SoftBodyHost& ) {
-		LoadSettings load;
-		if ( !data || !made || !takeTemplates( templates, template_count, load ) )
+		requirePointers( made );
+		const BytesView bytes = viewOf( data, byte_count );
+		const LoadSettings load = takeTemplates( templates, template_count );
+		const pliant_body_settings full = takeMembership( settings );
+		SoftBodyResult body = loadBody( bytes, load );
+		if ( body.ok() )
 		{
-			return refuseNull();
+			addMade( *world, std::move( body.value ), full, *made );
 		}
-		pliant_body_settings full;
-		if ( const pliant_result code = takeMembership( settings, full ); code != PLIANT_OK )
-		{
-			return code;
-		}
-		SoftBodyResult body = loadBody( BytesView( static_cast<const std::byte*>( data ), std::size_t( byte_count ) ), load );
-		return body.ok() ? addMade( *world, std::move( body.value ), full, *made ) : resultOf( body.status );
+		return body.status;
 	} );
 }

@@ -21,37 +21,20 @@ pliant_world_settings defaultWorld()
 	return settings;
 }
 
-bool isCount( int count, int most )
+void checkSubsteps( int substeps, int most, pliant_result code = PLIANT_BAD_ARGUMENT )
 {
-	return count >= 1 && count <= most;
+	rejectIf( !isWithin( substeps, 1, kMostSubsteps ) || !isWithin( most, 1, kMostSubsteps ), code,
+		"Numbers of soft substeps must lie in 1 to 64." );
 }
 
-pliant_result checkSubsteps( int substeps, int most )
+void checkThreads( int threads, pliant_result code = PLIANT_BAD_ARGUMENT )
 {
-	if ( !isCount( substeps, kMostSubsteps ) || !isCount( most, kMostSubsteps ) )
-	{
-		return refuse( PLIANT_BAD_ARGUMENT, "Numbers of soft substeps must lie in 1 to 64." );
-	}
-	return PLIANT_OK;
+	rejectIf( !isWithin( threads, 1, kMostThreads ), code, "The number of threads must lie in 1 to 64." );
 }
 
-pliant_result checkThreads( int threads )
+void checkGravity( const pliant_vec3& gravity, pliant_result code = PLIANT_BAD_ARGUMENT )
 {
-	return isCount( threads, kMostThreads ) ? PLIANT_OK : refuse( PLIANT_BAD_ARGUMENT, "The number of threads must lie in 1 to 64." );
-}
-
-pliant_result checkGravity( const pliant_vec3& gravity )
-{
-	return isWithin( gravity, kMostGravity ) ? PLIANT_OK
-											 : refuse( PLIANT_BAD_ARGUMENT, "Gravity must be at most 1e6 m/s^2 along each axis." );
-}
-
-pliant_result checkWorld( const pliant_world_settings& settings )
-{
-	pliant_result code = checkThreads( settings.threads );
-	code = code == PLIANT_OK ? checkGravity( settings.gravity ) : code;
-	code = code == PLIANT_OK ? checkSubsteps( settings.soft_substeps, settings.max_soft_substeps ) : code;
-	return code == PLIANT_OK ? code : PLIANT_BAD_SETTINGS;
+	rejectIf( !isWithin( gravity, kMostGravity ), code, "Gravity must be at most 1e6 m/s^2 along each axis." );
 }
 
 pliant_step_report inC( const StepReport& report )
@@ -86,29 +69,14 @@ pliant_step_report inC( const StepReport& report )
 	return c;
 }
 
-pliant_result checkStep( double seconds, std::int32_t most, double fixed )
-{
-	if ( !isWithin( seconds, 0, std::numeric_limits<float>::max() ) || !isWithin( fixed, 0, std::numeric_limits<float>::max() ) ||
-		btScalar( fixed ) <= 0 || most < 0 )
-	{
-		return refuse( PLIANT_BAD_ARGUMENT, "Seconds and max_steps must be 0 or above, and fixed_step above 0." );
-	}
-	return PLIANT_OK;
-}
-
 template <class F>
-pliant_result listObjects( std::uint64_t total, pliant_id* ids, std::uint64_t capacity, std::uint64_t* count, F&& idOf )
+void listObjects( std::uint64_t total, pliant_id* ids, std::uint64_t capacity, std::uint64_t* count, F&& idOf )
 {
-	if ( !count || ( !ids && capacity > 0 ) )
-	{
-		return refuseNull();
-	}
+	giveCount( total, ids, capacity, count );
 	for ( std::uint64_t k = 0; k < std::min( total, capacity ); ++k )
 	{
 		ids[k] = idOf( int( k ) );
 	}
-	*count = total;
-	return PLIANT_OK;
 }
 
 } // namespace
@@ -140,19 +108,18 @@ pliant_world::~pliant_world()
 
 pliant_result pliant_world_settings_init( pliant_world_settings* settings, uint32_t size )
 {
-	return writeSized( defaultWorld(), settings, size );
+	return initSized( defaultWorld(), settings, size );
 }
 
 pliant_result pliant_world_create( const pliant_world_settings* settings, pliant_world** world )
 {
-	return call( [&]() -> pliant_result {
+	return call( [&]() {
+		requirePointers( world );
 		pliant_world_settings full = defaultWorld();
-		pliant_result code = world ? readSized( settings, full ) : refuseNull();
-		code = code == PLIANT_OK ? checkWorld( full ) : code;
-		if ( code != PLIANT_OK )
-		{
-			return code;
-		}
+		readSized( settings, full );
+		checkThreads( full.threads, PLIANT_BAD_SETTINGS );
+		checkGravity( full.gravity, PLIANT_BAD_SETTINGS );
+		checkSubsteps( full.soft_substeps, full.max_soft_substeps, PLIANT_BAD_SETTINGS );
 		auto made = std::make_unique<pliant_world>();
 		made->whole = std::make_unique<WholeWorld>();
 		made->host = &made->whole->world;
@@ -161,21 +128,16 @@ pliant_result pliant_world_create( const pliant_world_settings* settings, pliant
 		made->host->setMaxSoftSubsteps( full.max_soft_substeps );
 		made->host->setThreadCount( full.threads );
 		*world = made.release();
-		return PLIANT_OK;
 	} );
 }
 
 pliant_result pliant_world_wrap( void* soft_body_host, pliant_world** world )
 {
-	return call( [&]() -> pliant_result {
-		if ( !soft_body_host || !world )
-		{
-			return refuseNull();
-		}
+	return call( [&]() {
+		requirePointers( soft_body_host, world );
 		auto made = std::make_unique<pliant_world>();
 		made->host = static_cast<SoftBodyHost*>( soft_body_host );
 		*world = made.release();
-		return PLIANT_OK;
 	} );
 }
 
@@ -187,98 +149,68 @@ void pliant_world_destroy( pliant_world* world )
 pliant_result pliant_world_step( pliant_world* world, double seconds, int32_t max_steps, double fixed_step, int32_t* steps )
 {
 	return withWorld( world, [&]( SoftBodyHost& host ) {
-		if ( const pliant_result code = checkStep( seconds, max_steps, fixed_step ); code != PLIANT_OK )
-		{
-			return code;
-		}
+		constexpr double kLongest = std::numeric_limits<float>::max();
+		rejectIf( !isWithin( seconds, 0, kLongest ) || !isWithin( fixed_step, 0, kLongest ) || btScalar( fixed_step ) <= 0 || max_steps < 0,
+			PLIANT_BAD_ARGUMENT, "Seconds and max_steps must be 0 or above, and fixed_step above 0." );
 		world->destroyed.clear();
-		const int made = host.bulletWorld().stepSimulation( btScalar( seconds ), max_steps, btScalar( fixed_step ) );
-		if ( steps )
-		{
-			*steps = made;
-		}
-		return pliant_result( PLIANT_OK );
+		offer( host.bulletWorld().stepSimulation( btScalar( seconds ), max_steps, btScalar( fixed_step ) ), steps );
 	} );
 }
 
 pliant_result pliant_world_get_report( const pliant_world* world, pliant_step_report* report, uint32_t size )
 {
-	return withWorld( world, [&]( SoftBodyHost& host ) { return writeSized( inC( host.stepReport() ), report, size ); } );
+	return withWorld( world, [&]( SoftBodyHost& host ) { writeSized( inC( host.stepReport() ), report, size ); } );
 }
 
 pliant_result pliant_world_set_gravity( pliant_world* world, pliant_vec3 gravity )
 {
 	return withWorld( world, [&]( SoftBodyHost& host ) {
-		const pliant_result code = checkGravity( gravity );
-		if ( code == PLIANT_OK )
-		{
-			host.bulletWorld().setGravity( vectorOf( gravity ) );
-		}
-		return code;
+		checkGravity( gravity );
+		host.bulletWorld().setGravity( vectorOf( gravity ) );
 	} );
 }
 
 pliant_result pliant_world_get_gravity( const pliant_world* world, pliant_vec3* gravity )
 {
-	return withWorld( world, [&]( SoftBodyHost& host ) {
-		if ( !gravity )
-		{
-			return refuseNull();
-		}
-		*gravity = vectorOf( host.bulletWorld().getGravity() );
-		return pliant_result( PLIANT_OK );
-	} );
+	return withWorld( world, [&]( SoftBodyHost& host ) { give( vectorOf( host.bulletWorld().getGravity() ), gravity ); } );
 }
 
 pliant_result pliant_world_set_threads( pliant_world* world, int32_t threads )
 {
 	return withWorld( world, [&]( SoftBodyHost& host ) {
-		const pliant_result code = checkThreads( threads );
-		if ( code == PLIANT_OK )
-		{
-			host.setThreadCount( threads );
-		}
-		return code;
+		checkThreads( threads );
+		host.setThreadCount( threads );
 	} );
 }
 
 pliant_result pliant_world_set_soft_substeps( pliant_world* world, int32_t substeps, int32_t most )
 {
 	return withWorld( world, [&]( SoftBodyHost& host ) {
-		const pliant_result code = checkSubsteps( substeps, most );
-		if ( code == PLIANT_OK )
-		{
-			host.setSoftSubsteps( substeps );
-			host.setMaxSoftSubsteps( most );
-		}
-		return code;
+		checkSubsteps( substeps, most );
+		host.setSoftSubsteps( substeps );
+		host.setMaxSoftSubsteps( most );
 	} );
 }
 
 pliant_result pliant_world_set_debris_budget( pliant_world* world, const pliant_debris_budget* budget )
 {
 	return withWorld( world, [&]( SoftBodyHost& host ) {
-		DebrisBudget taken;
-		const pliant_result code = budget ? take( budget, taken ) : refuseNull();
-		return code == PLIANT_OK ? resultOf( host.setDebrisBudget( taken ) ) : code;
+		requirePointers( budget );
+		return host.setDebrisBudget( take<DebrisBudget>( budget ) );
 	} );
 }
 
 pliant_result pliant_world_set_interpolation( pliant_world* world, double fraction )
 {
 	return withWorld( world, [&]( SoftBodyHost& host ) {
-		if ( !isWithin( fraction, 0, 1 ) )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, "The fraction must lie in [0, 1]." );
-		}
+		rejectIf( !isWithin( fraction, 0, 1 ), PLIANT_BAD_ARGUMENT, "The fraction must lie in [0, 1]." );
 		host.setInterpolationFraction( btScalar( fraction ) );
-		return pliant_result( PLIANT_OK );
 	} );
 }
 
 pliant_result pliant_world_shift_origin( pliant_world* world, pliant_vec3 by )
 {
-	return withWorld( world, [&]( SoftBodyHost& host ) { return resultOf( host.shiftOrigin( vectorOf( by ) ) ); } );
+	return withWorld( world, [&]( SoftBodyHost& host ) { return host.shiftOrigin( vectorOf( by ) ); } );
 }
 
 pliant_result pliant_world_explode( pliant_world* world, pliant_vec3 centre, double radius, double impulse, int32_t* pushed )
@@ -288,20 +220,15 @@ pliant_result pliant_world_explode( pliant_world* world, pliant_vec3 centre, dou
 		explosion.centre = vectorOf( centre );
 		explosion.radius = btScalar( radius );
 		explosion.impulse = btScalar( impulse );
-		const Result<int> result = host.explode( explosion );
-		if ( result.ok() && pushed )
-		{
-			*pushed = result.value;
-		}
-		return resultOf( result.status );
+		return offer( host.explode( explosion ), pushed );
 	} );
 }
 
 pliant_result pliant_world_get_bodies( pliant_world* world, pliant_id* ids, uint64_t capacity, uint64_t* count )
 {
 	return withWorld( world, [&]( SoftBodyHost& host ) {
-		return listObjects(
-			std::uint64_t( host.softBodyCount() ), ids, capacity, count, [&]( int k ) { return identityOf( *host.softBody( k ) ); } );
+		const auto idOf = [&]( int k ) { return identityOf( *host.softBody( k ) ); };
+		listObjects( std::uint64_t( host.softBodyCount() ), ids, capacity, count, idOf );
 	} );
 }
 
@@ -317,7 +244,7 @@ pliant_result pliant_world_get_rigids( pliant_world* world, pliant_id* ids, uint
 				rigid.push_back( identityOf( *world, all[k] ) );
 			}
 		}
-		return listObjects( rigid.size(), ids, capacity, count, [&]( int k ) { return rigid[std::size_t( k )]; } );
+		listObjects( rigid.size(), ids, capacity, count, [&]( int k ) { return rigid[std::size_t( k )]; } );
 	} );
 }
 

@@ -1,8 +1,9 @@
-// Block lattices and the invariants of every lattice. Ohta et al. 2009, "Preprocessing".
+// The invariants of every lattice. Ohta et al. 2009, "Preprocessing".
 
 #include "lattice/lattice.h"
 
 #include "lattice/constants.h"
+#include "lattice/ranges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,91 +44,55 @@ bool areNeighbours( const Cell& a, const Cell& b )
 	return step.maxCoeff() == 1;
 }
 
-Status validateSizes( const Lattice& lattice )
+const char* unmetBySizes( const Lattice& lattice )
 {
 	const std::size_t count = lattice.fill.size();
-	if ( lattice.coordinate.size() != count || lattice.restCentre.size() != count || lattice.isSurface.size() != count )
-	{
-		return broken( "the arrays of cells differ in length" );
-	}
-	if ( !lattice.patch.empty() && lattice.patch.size() != count )
-	{
-		return broken( "the number of patches is not the number of cells" );
-	}
-	if ( lattice.linkStart.size() != count + 1 || lattice.linkStart.front() != 0 || lattice.linkStart.back() != lattice.linkTo.size() )
-	{
-		return broken( "linkStart does not span linkTo" );
-	}
-	if ( !( std::isfinite( lattice.cellSize ) && lattice.cellSize > 0.0f ) )
-	{
-		return broken( "cellSize is not above zero" );
-	}
-	if ( !lattice.corner.allFinite() || !lattice.massCentre.allFinite() )
-	{
-		return broken( "corner or massCentre is not finite" );
-	}
-	if ( lattice.extent.minCoeff() < 1 || lattice.extent.maxCoeff() > kMaxExtent )
-	{
-		return broken( "extent is out of its range" );
-	}
-	return {};
+	return firstUnmet( { { lattice.coordinate.size() == count && lattice.restCentre.size() == count && lattice.isSurface.size() == count,
+							 "the arrays of cells differ in length" },
+		{ lattice.patch.empty() || lattice.patch.size() == count, "the number of patches is not the number of cells" },
+		{ lattice.linkStart.size() == count + 1 && lattice.linkStart.front() == 0 && lattice.linkStart.back() == lattice.linkTo.size(),
+			"linkStart does not span linkTo" },
+		{ std::isfinite( lattice.cellSize ) && lattice.cellSize > 0.0f, "cellSize is not above zero" },
+		{ lattice.corner.allFinite() && lattice.massCentre.allFinite(), "corner or massCentre is not finite" },
+		{ lattice.extent.minCoeff() >= 1 && lattice.extent.maxCoeff() <= kMaxExtent, "extent is out of its range" } } );
 }
 
-Status validateCell( const Lattice& lattice, std::size_t i )
+const char* unmetByCell( const Lattice& lattice, std::size_t i )
 {
 	const Eigen::Vector3i at = lattice.coordinate[i].cast<int>();
-	if ( at.minCoeff() < 0 || ( lattice.extent - at ).minCoeff() < 1 )
-	{
-		return broken( cellName( i ) + " lies outside the extent" );
-	}
-	if ( i > 0 && compareOrder( lattice.coordinate[i - 1], lattice.coordinate[i] ) > 0 )
-	{
-		return broken( cellName( i ) + " breaks the order of z, y, x" );
-	}
-	if ( !( lattice.fill[i] > 0.0f && lattice.fill[i] <= 1.0f ) )
-	{
-		return broken( cellName( i ) + " has a fill outside (0, 1]" );
-	}
 	const double d = lattice.cellSize;
 	const Vec3d inCell = ( lattice.restCentre[i].cast<double>() + lattice.massCentre - lattice.corner ) / d - at.cast<double>();
 	const double slack = kRoundingFraction * ( lattice.extent.maxCoeff() + lattice.corner.cwiseAbs().maxCoeff() / d );
-	if ( !( inCell.minCoeff() >= -slack && inCell.maxCoeff() <= 1.0 + slack ) )
-	{
-		return broken( cellName( i ) + " has a rest centre outside the cell" );
-	}
-	return {};
+	return firstUnmet( { { at.minCoeff() >= 0 && ( lattice.extent - at ).minCoeff() >= 1, " lies outside the extent" },
+		{ i == 0 || compareOrder( lattice.coordinate[i - 1], lattice.coordinate[i] ) <= 0, " breaks the order of z, y, x" },
+		{ lattice.fill[i] > 0.0f && lattice.fill[i] <= 1.0f, " has a fill outside (0, 1]" },
+		{ inCell.minCoeff() >= -slack && inCell.maxCoeff() <= 1.0 + slack, " has a rest centre outside the cell" } } );
 }
 
-Status validateLinks( const Lattice& lattice, std::size_t i )
+const char* unmetByLinks( const Lattice& lattice, std::size_t i )
 {
 	if ( lattice.linkStart[i] > lattice.linkStart[i + 1] || lattice.linkStart[i + 1] > lattice.linkTo.size() )
 	{
-		return broken( cellName( i ) + " has a broken row of links" );
+		return " has a broken row of links";
 	}
 	const auto rowOf = [&]( std::size_t cell ) { return lattice.linkTo.begin() + std::ptrdiff_t( lattice.linkStart[cell] ); };
 	for ( auto link = rowOf( i ); link != rowOf( i + 1 ); ++link )
 	{
 		if ( *link >= lattice.fill.size() || !areNeighbours( lattice.coordinate[i], lattice.coordinate[*link] ) )
 		{
-			return broken( cellName( i ) + " is linked to a cell that is not its neighbour" );
+			return " is linked to a cell that is not its neighbour";
 		}
-		if ( link != rowOf( i ) && *( link - 1 ) >= *link )
+		const char* const unmet = firstUnmet( { { link == rowOf( i ) || *( link - 1 ) < *link, " has its links out of order" },
+			{ lattice.linkStart[*link] <= lattice.linkStart[*link + 1] && lattice.linkStart[*link + 1] <= lattice.linkTo.size() &&
+					std::binary_search( rowOf( *link ), rowOf( *link + 1 ), std::uint32_t( i ) ),
+				" has a link that is not symmetric" } } );
+		if ( unmet )
 		{
-			return broken( cellName( i ) + " has its links out of order" );
-		}
-		if ( lattice.linkStart[*link] > lattice.linkStart[*link + 1] || lattice.linkStart[*link + 1] > lattice.linkTo.size() ||
-			!std::binary_search( rowOf( *link ), rowOf( *link + 1 ), std::uint32_t( i ) ) )
-		{
-			return broken( cellName( i ) + " has a link that is not symmetric" );
+			return unmet;
 		}
 	}
-	const std::uint32_t links = lattice.linkStart[i + 1] - lattice.linkStart[i];
-	const bool isSurface = lattice.fill[i] < 1.0f || links != kNeighbours;
-	if ( ( lattice.isSurface[i] != 0 ) != isSurface )
-	{
-		return broken( cellName( i ) + " is wrongly marked as surface or inside" );
-	}
-	return {};
+	const bool isSurface = lattice.fill[i] < 1.0f || lattice.linkStart[i + 1] - lattice.linkStart[i] != kNeighbours;
+	return ( lattice.isSurface[i] != 0 ) == isSurface ? nullptr : " is wrongly marked as surface or inside";
 }
 
 Status validateMassCentre( const Lattice& lattice )
@@ -147,76 +112,20 @@ Status validateMassCentre( const Lattice& lattice )
 	return {};
 }
 
-void linkBlock( Lattice& lattice )
-{
-	const Eigen::Vector3i n = lattice.extent;
-	lattice.linkStart.push_back( 0 );
-	for ( const Cell& at : lattice.coordinate )
-	{
-		const Eigen::Vector3i low = ( at.cast<int>().array() - 1 ).max( 0 );
-		const Eigen::Vector3i high = ( at.cast<int>().array() + 1 ).min( n.array() - 1 );
-		for ( int z = low.z(); z <= high.z(); ++z )
-		{
-			for ( int y = low.y(); y <= high.y(); ++y )
-			{
-				for ( int x = low.x(); x <= high.x(); ++x )
-				{
-					if ( x != at.x() || y != at.y() || z != at.z() )
-					{
-						lattice.linkTo.push_back( std::uint32_t( ( z * n.y() + y ) * n.x() + x ) );
-					}
-				}
-			}
-		}
-		lattice.linkStart.push_back( std::uint32_t( lattice.linkTo.size() ) );
-		const std::uint32_t links = lattice.linkStart.back() - *( lattice.linkStart.end() - 2 );
-		lattice.isSurface.push_back( links == kNeighbours ? 0 : 1 );
-	}
-}
-
 } // namespace
-
-Lattice makeBlockLattice( int nx, int ny, int nz, float cellSize )
-{
-	Lattice lattice;
-	lattice.cellSize = cellSize;
-	lattice.extent = Eigen::Vector3i( nx, ny, nz );
-	lattice.corner = -0.5 * double( cellSize ) * lattice.extent.cast<double>();
-	const std::size_t count = std::size_t( nx ) * std::size_t( ny ) * std::size_t( nz );
-	lattice.coordinate.reserve( count );
-	lattice.restCentre.reserve( count );
-	for ( int z = 0; z < nz; ++z )
-	{
-		for ( int y = 0; y < ny; ++y )
-		{
-			for ( int x = 0; x < nx; ++x )
-			{
-				const Vec3d centre = Vec3d( x + 0.5, y + 0.5, z + 0.5 ) - 0.5 * lattice.extent.cast<double>();
-				lattice.coordinate.emplace_back( std::int16_t( x ), std::int16_t( y ), std::int16_t( z ) );
-				lattice.restCentre.push_back( ( double( cellSize ) * centre ).cast<float>() );
-			}
-		}
-	}
-	lattice.fill.assign( count, 1.0f );
-	linkBlock( lattice );
-	return lattice;
-}
 
 Status validate( const Lattice& lattice )
 {
-	if ( Status status = validateSizes( lattice ); !status.ok() )
+	if ( const char* const unmet = unmetBySizes( lattice ) )
 	{
-		return status;
+		return broken( unmet );
 	}
 	for ( std::size_t i = 0; i < lattice.fill.size(); ++i )
 	{
-		if ( Status status = validateCell( lattice, i ); !status.ok() )
+		const char* unmet = unmetByCell( lattice, i );
+		if ( unmet = unmet ? unmet : unmetByLinks( lattice, i ); unmet )
 		{
-			return status;
-		}
-		if ( Status status = validateLinks( lattice, i ); !status.ok() )
-		{
-			return status;
+			return broken( cellName( i ) + unmet );
 		}
 	}
 	return validateMassCentre( lattice );

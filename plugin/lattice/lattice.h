@@ -57,9 +57,6 @@ struct Lattice
 	}
 };
 
-/// Returns a full box of nx x ny x nz cells of edge `cellSize` with all links. Counts are at least 1.
-Lattice makeBlockLattice( int nx, int ny, int nz, float cellSize );
-
 /// Writes or reads a lattice; one that is not valid is refused.
 void archive( Archive& archive, Lattice& lattice );
 

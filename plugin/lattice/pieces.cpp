@@ -1,6 +1,7 @@
 #include "lattice/pieces.h"
 
 #include "lattice/constants.h"
+#include "lattice/table.h"
 #include "lattice/union_find.h"
 
 #include <algorithm>
@@ -13,25 +14,19 @@ namespace {
 /// cells are in order and precede the links from it.
 std::vector<CellLink> bothDirections( const std::vector<CellLink>& links, std::size_t cells )
 {
-	std::vector<std::uint32_t> next( cells + 1, 0 );
-	for ( const CellLink& link : links )
-	{
-		++next[link.a + 1];
-		++next[link.b + 1];
-	}
-	for ( std::size_t i = 0; i < cells; ++i )
-	{
-		next[i + 1] += next[i];
-	}
-	std::vector<CellLink> both( 2 * links.size() );
-	for ( const CellLink& link : links )
-	{
-		both[next[link.b]++] = CellLink{ link.b, link.a };
-	}
-	for ( const CellLink& link : links )
-	{
-		both[next[link.a]++] = link;
-	}
+	std::vector<std::uint32_t> start;
+	std::vector<CellLink> both;
+	const auto forBoth = [&links]( auto&& visit ) {
+		for ( const CellLink& link : links )
+		{
+			visit( link.b, CellLink{ link.b, link.a } );
+		}
+		for ( const CellLink& link : links )
+		{
+			visit( link.a, link );
+		}
+	};
+	sortIntoRows( cells, forBoth, start, both );
 	return both;
 }
 

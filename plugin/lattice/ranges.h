@@ -2,7 +2,38 @@
 
 // Whether settings are in range.
 
+#include "pliant/result.h"
+
+#include <initializer_list>
+
 namespace pliant {
+
+/// A condition, and what is said where it does not hold.
+struct Requirement
+{
+	bool holds;
+	const char* sentence;
+};
+
+/// The sentence of the first requirement that does not hold; null: all do.
+inline const char* firstUnmet( std::initializer_list<Requirement> requirements )
+{
+	for ( const Requirement& each : requirements )
+	{
+		if ( !each.holds )
+		{
+			return each.sentence;
+		}
+	}
+	return nullptr;
+}
+
+/// The same as the outcome of a call.
+inline Status require( ResultCode code, std::initializer_list<Requirement> requirements )
+{
+	const char* const unmet = firstUnmet( requirements );
+	return unmet ? Status{ code, unmet } : Status{};
+}
 
 /// False for NaN.
 template <class T>

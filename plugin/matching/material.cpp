@@ -13,103 +13,16 @@ namespace pliant {
 
 namespace {
 
-Status refuse( const char* sentence )
-{
-	return Status{ ResultCode::BadMaterial, sentence };
-}
-
 Status checkChoices( const Material& material )
 {
-	const struct
-	{
-		bool isSound;
-		const char* sentence;
-	} choices[] = { { isChoice( material.stiffness, Stiffness::RawAlpha ), "Material::stiffness is none of Stiffness's values." },
-		{ isChoice( material.elasticity, Elasticity::Automatic ), "Material::elasticity is none of Elasticity's values." },
-		{ isChoice( material.method, Method::Clusters ), "Material::method is none of Method's values." },
-		{ isChoice( material.clusterMode, ClusterMode::Quadratic ), "Material::clusterMode is none of ClusterMode's values." },
-		{ isChoice( material.weights, Weights::Literal ), "Material::weights is none of Weights' values." },
-		{ isChoice( material.rotationFrom, RotationFrom::F ), "Material::rotationFrom is none of RotationFrom's values." } };
-	for ( const auto& [isSound, sentence] : choices )
-	{
-		if ( !isSound )
-		{
-			return refuse( sentence );
-		}
-	}
-	return {};
+	return require( ResultCode::BadMaterial,
+		{ { isChoice( material.stiffness, Stiffness::RawAlpha ), "Material::stiffness is none of Stiffness's values." },
+			{ isChoice( material.elasticity, Elasticity::Automatic ), "Material::elasticity is none of Elasticity's values." },
+			{ isChoice( material.method, Method::Clusters ), "Material::method is none of Method's values." },
+			{ isChoice( material.clusterMode, ClusterMode::Quadratic ), "Material::clusterMode is none of ClusterMode's values." },
+			{ isChoice( material.weights, Weights::Literal ), "Material::weights is none of Weights' values." },
+			{ isChoice( material.rotationFrom, RotationFrom::F ), "Material::rotationFrom is none of RotationFrom's values." } } );
 }
-
-Status checkFlow( const Material& material )
-{
-	if ( !isWithin( material.yieldStrain, 0.0f, kLargestYieldStrain ) )
-	{
-		return refuse( "Material::yieldStrain must lie in [0, 10]." );
-	}
-	if ( !( material.plasticCreep > 0.0f ) || !isWithin( material.plasticCreep, 0.0f, kLargestCreep ) )
-	{
-		return refuse( "Material::plasticCreep must be above 0 and at most 1e4 1/s." );
-	}
-	if ( !( material.plasticLimit > 0.0f ) || !isWithin( material.plasticLimit, 0.0f, kLargestPlasticLimit ) )
-	{
-		return refuse( "Material::plasticLimit must be above 0 and at most 2." );
-	}
-	if ( material.yieldStrain > 0.0f && material.method != Method::Lattice )
-	{
-		return refuse( "Material::yieldStrain needs Method::Lattice." );
-	}
-	return {};
-}
-
-Status checkFarLevels( const Material& material )
-{
-	if ( material.farLevels < 0 || material.farLevels > kMostFarLevels )
-	{
-		return refuse( "Material::farLevels must lie in 0 to 3." );
-	}
-	if ( material.farLevels == 0 )
-	{
-		return {};
-	}
-	if ( material.method != Method::Lattice || material.stiffness != Stiffness::YoungsModulus )
-	{
-		return refuse( "Material::farLevels needs Method::Lattice and Stiffness::YoungsModulus." );
-	}
-	if ( material.yieldStrain > 0.0f )
-	{
-		return refuse( "Material::farLevels knows the first rest shape only: yieldStrain must be 0." );
-	}
-	return {};
-}
-
-Status checkElasticity( const Material& material )
-{
-	if ( !isWithin( material.rigidStrain, 0.0f, kLargestRigidStrain ) )
-	{
-		return refuse( "Material::rigidStrain must lie in [0, 0.1]." );
-	}
-	if ( !isWithin( material.numericalDamping, 0.0f, 1.0f ) )
-	{
-		return refuse( "Material::numericalDamping must lie in [0, 1]." );
-	}
-	if ( material.elasticity != Elasticity::Implicit )
-	{
-		return {};
-	}
-	if ( material.method != Method::Lattice || material.weights != Weights::Conserving || material.rotationFrom != RotationFrom::Apq )
-	{
-		return refuse( "Elasticity::Implicit needs Method::Lattice, Weights::Conserving and RotationFrom::Apq." );
-	}
-	if ( material.farLevels > 0 )
-	{
-		return refuse( "Elasticity::Implicit reaches any stiffness by itself: Material::farLevels must be 0." );
-	}
-	return {};
-}
-
-} // namespace
-
-namespace {
 
 /// Checks that this build has the optional features the material needs.
 Status checkBuild( const Material& material )
@@ -130,68 +43,50 @@ Status checkBuild( const Material& material )
 	return {};
 }
 
+/// False for 0.
+bool isAbove( float value, float low, float high )
+{
+	return value > low && isWithin( value, low, high );
+}
+
+Status checkRanges( const Material& m )
+{
+	const bool isLattice = m.method == Method::Lattice, isImplicit = m.elasticity == Elasticity::Implicit, hasFarLevels = m.farLevels != 0;
+	return require( ResultCode::BadMaterial,
+		{ { isAbove( m.density, 0.0f, kLargestDensity ), "Material::density must be above 0 and at most 1e6 kg/m^3." },
+			{ m.youngsModulus >= 0.0f && std::isfinite( m.youngsModulus ),
+				"Material::youngsModulus must be at least 0 Pa and finite; 0 stands for the default of the body's size." },
+			{ isAbove( m.alpha, 0.0f, kLargestAlpha ), "Material::alpha must be above 0 and at most 1." },
+			{ isWithin( m.beta, 0.0f, kLargestBeta ), "Material::beta must lie in [0, 0.95]." },
+			{ isWithin( m.regionHalfWidth, 1, kLargestHalfWidth ), "Material::regionHalfWidth must lie in 1 to 4 cells." },
+			{ isWithin( m.damping, 0.0f, kLargestDamping ), "Material::damping must lie in [0, 1000] 1/s." },
+			{ isWithin( m.wobbleDamping, 0.0f, 1.0f ), "Material::wobbleDamping must lie in [0, 1]." },
+			{ isWithin( m.volumeKeeping, 0.0f, kLargestVolumeKeeping ), "Material::volumeKeeping must lie in [0, 2]." },
+			{ m.stiffness != Stiffness::RawAlpha || m.alpha <= largestAlpha( m ),
+				"Material::alpha is too large for this volumeKeeping: alpha ( 1 + 3 kappa ) must be at most 3.5." },
+			{ isWithin( m.yieldStrain, 0.0f, kLargestYieldStrain ), "Material::yieldStrain must lie in [0, 10]." },
+			{ isAbove( m.plasticCreep, 0.0f, kLargestCreep ), "Material::plasticCreep must be above 0 and at most 1e4 1/s." },
+			{ isAbove( m.plasticLimit, 0.0f, kLargestPlasticLimit ), "Material::plasticLimit must be above 0 and at most 2." },
+			{ !( m.yieldStrain > 0.0f ) || isLattice, "Material::yieldStrain needs Method::Lattice." },
+			{ isWithin( m.farLevels, 0, kMostFarLevels ), "Material::farLevels must lie in 0 to 3." },
+			{ !hasFarLevels || ( isLattice && m.stiffness == Stiffness::YoungsModulus ),
+				"Material::farLevels needs Method::Lattice and Stiffness::YoungsModulus." },
+			{ !hasFarLevels || !( m.yieldStrain > 0.0f ), "Material::farLevels knows the first rest shape only: yieldStrain must be 0." },
+			{ isWithin( m.rigidStrain, 0.0f, kLargestRigidStrain ), "Material::rigidStrain must lie in [0, 0.1]." },
+			{ isWithin( m.numericalDamping, 0.0f, 1.0f ), "Material::numericalDamping must lie in [0, 1]." },
+			{ !isImplicit || ( isLattice && m.weights == Weights::Conserving && m.rotationFrom == RotationFrom::Apq ),
+				"Elasticity::Implicit needs Method::Lattice, Weights::Conserving and RotationFrom::Apq." },
+			{ !isImplicit || !hasFarLevels, "Elasticity::Implicit reaches any stiffness by itself: Material::farLevels must be 0." },
+			{ isWithin( m.clusterEdge, 2, kLargestClusterEdge ), "Material::clusterEdge must lie in 2 to 64 cells." } } );
+}
+
 } // namespace
 
 Status check( const Material& material )
 {
-	Status choices = checkChoices( material );
-	if ( choices = choices.ok() ? checkBuild( material ) : choices; !choices.ok() )
-	{
-		return choices;
-	}
-	if ( !( material.density > 0.0f ) || !isWithin( material.density, 0.0f, kLargestDensity ) )
-	{
-		return refuse( "Material::density must be above 0 and at most 1e6 kg/m^3." );
-	}
-	if ( !( material.youngsModulus >= 0.0f ) || !std::isfinite( material.youngsModulus ) )
-	{
-		return refuse( "Material::youngsModulus must be at least 0 Pa and finite; 0 stands for the default of the body's size." );
-	}
-	if ( !( material.alpha > 0.0f ) || !isWithin( material.alpha, 0.0f, kLargestAlpha ) )
-	{
-		return refuse( "Material::alpha must be above 0 and at most 1." );
-	}
-	if ( !isWithin( material.beta, 0.0f, kLargestBeta ) )
-	{
-		return refuse( "Material::beta must lie in [0, 0.95]." );
-	}
-	if ( material.regionHalfWidth < 1 || material.regionHalfWidth > kLargestHalfWidth )
-	{
-		return refuse( "Material::regionHalfWidth must lie in 1 to 4 cells." );
-	}
-	if ( !isWithin( material.damping, 0.0f, kLargestDamping ) )
-	{
-		return refuse( "Material::damping must lie in [0, 1000] 1/s." );
-	}
-	if ( !isWithin( material.wobbleDamping, 0.0f, 1.0f ) )
-	{
-		return refuse( "Material::wobbleDamping must lie in [0, 1]." );
-	}
-	if ( !isWithin( material.volumeKeeping, 0.0f, kLargestVolumeKeeping ) )
-	{
-		return refuse( "Material::volumeKeeping must lie in [0, 2]." );
-	}
-	if ( material.stiffness == Stiffness::RawAlpha && material.alpha > largestAlpha( material ) )
-	{
-		return refuse( "Material::alpha is too large for this volumeKeeping: alpha ( 1 + 3 kappa ) must be at most 3.5." );
-	}
-	if ( Status status = checkFlow( material ); !status.ok() )
-	{
-		return status;
-	}
-	if ( Status status = checkFarLevels( material ); !status.ok() )
-	{
-		return status;
-	}
-	if ( Status status = checkElasticity( material ); !status.ok() )
-	{
-		return status;
-	}
-	if ( material.clusterEdge < 2 || material.clusterEdge > kLargestClusterEdge )
-	{
-		return refuse( "Material::clusterEdge must lie in 2 to 64 cells." );
-	}
-	return {};
+	Status status = checkChoices( material );
+	status = status.ok() ? checkBuild( material ) : status;
+	return status.ok() ? checkRanges( material ) : status;
 }
 
 float defaultYoungsModulus( float density, float length )

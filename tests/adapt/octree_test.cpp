@@ -1,6 +1,7 @@
 // The octree and cuts through it: Steinemann et al. 2008, section 4.1; Ohta et al. 2009, "Preprocessing".
 
 #include "adapt/octree/cut.h"
+#include "support/block_lattice.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>
@@ -63,7 +64,7 @@ TEST( Cut, ByMassAndInsideCoverEveryCellOnce )
 			EXPECT_TRUE( level == 0 || octree.mass[node] >= fraction * std::pow( 8.0, level ) );
 		}
 	}
-	const Cut inside = selectCut( octree, keepsInside( octree ) );
+	const Cut inside = selectCut( octree, [&octree]( std::uint32_t node ) { return octree.isSurface[node] == 0; } );
 	EXPECT_TRUE( validate( inside, octree ).ok() );
 	EXPECT_LT( inside.count(), lattice.cellCount() );
 	for ( const std::uint32_t node : inside.node )

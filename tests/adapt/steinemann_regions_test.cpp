@@ -348,6 +348,18 @@ TEST( IntervalRegions, DoNotDependOnThreads )
 		findIntervalRegions( { octree, cut, graph }, width, 0.5f, pool.get() ) );
 }
 
+/// The same width for all, `halfWidth` finest cells, but at least the spacing of the node's own level: max( w, 2^l ), half cells.
+std::vector<std::uint32_t> constantWidths( const Octree& octree, const Cut& cut, float halfWidth )
+{
+	std::vector<std::uint32_t> width;
+	for ( const std::uint32_t node : cut.node )
+	{
+		const double spacing = std::ldexp( 1.0, octree.levelOf( node ) );
+		width.push_back( std::uint32_t( std::round( kUnitsPerCell * std::max( spacing, double( halfWidth ) ) ) ) );
+	}
+	return width;
+}
+
 /// S: 6 summation nodes on average at eps 0.5, on a body whose thin features are fine and whose interior is coarse.
 TEST( IntervalRegions, NeedFewSummationNodesOnThinFingers )
 {

@@ -2,6 +2,7 @@
 
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
+#include "support/block_lattice.h"
 
 #include <benchmark/benchmark.h>
 

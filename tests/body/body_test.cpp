@@ -1,6 +1,7 @@
 // One body without a world: placing, pinning, teleporting, bad numbers, bad input.
 
 #include "support/block_body.h"
+#include "support/block_lattice.h"
 #include "support/explicit_material.h"
 
 #include <gtest/gtest.h>

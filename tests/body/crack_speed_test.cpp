@@ -2,6 +2,7 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
+#include "support/block_lattice.h"
 #include "support/explicit_material.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // The diagonal of the implicit operator for nodes of all sizes in intact and torn bodies.
 
 #include "body/implicit_levels_case.h"
+#include "support/block_lattice.h"
 
 #include <gtest/gtest.h>
 

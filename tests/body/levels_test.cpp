@@ -2,6 +2,7 @@
 
 #include "body/levels/levels.h"
 #include "support/block_body.h"
+#include "support/block_lattice.h"
 #include "support/explicit_material.h"
 #include "support/shapes.h"
 

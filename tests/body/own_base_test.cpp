@@ -3,6 +3,7 @@
 #include "body/breaking.h"
 #include "body/levels/levels.h"
 #include "support/block_body.h"
+#include "support/block_lattice.h"
 #include "support/explicit_material.h"
 #include "support/same_levels.h"
 

@@ -4,6 +4,7 @@
 #include "body/levels/levels.h"
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
+#include "support/block_lattice.h"
 #include "support/explicit_material.h"
 
 #include <gtest/gtest.h>

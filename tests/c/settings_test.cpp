@@ -236,19 +236,19 @@ TEST( CSettings, CallersOfAnOlderVersionGoOn )
 {
 	Grown full{ 0, 1, 2 };
 	const Grown old{ 8, 5, 99 };
-	EXPECT_EQ( c::readSized( &old, full ), PLIANT_OK );
+	EXPECT_EQ( c::call( [&]() { c::readSized( &old, full ); } ), PLIANT_OK );
 	EXPECT_EQ( full.first, 5 );
 	EXPECT_EQ( full.second, 2 ) << "the default of what the caller does not know";
 	Grown out{ 0, 0, 77 };
-	EXPECT_EQ( c::writeSized( Grown{ 0, 3, 4 }, &out, 8 ), PLIANT_OK );
+	EXPECT_EQ( c::initSized( Grown{ 0, 3, 4 }, &out, 8 ), PLIANT_OK );
 	EXPECT_EQ( out.size, 8u );
 	EXPECT_EQ( out.first, 3 );
 	EXPECT_EQ( out.second, 77 ) << "nothing is written behind the caller's structure";
-	EXPECT_EQ( c::writeSized( Grown{ 0, 3, 4 }, &out, 12 ), PLIANT_OK );
+	EXPECT_EQ( c::initSized( Grown{ 0, 3, 4 }, &out, 12 ), PLIANT_OK );
 	EXPECT_EQ( out.second, 4 );
 	for ( const std::uint32_t size : { 0u, 4u, 13u, 16u } )
 	{
-		EXPECT_EQ( c::writeSized( Grown{}, &out, size ), PLIANT_BAD_ARGUMENT );
+		EXPECT_EQ( c::initSized( Grown{}, &out, size ), PLIANT_BAD_ARGUMENT );
 	}
 }
 

@@ -5,6 +5,7 @@
 #include "body/levels/levels.h"
 #include "experiments/experiments.h"
 #include "experiments/methods.h"
+#include "support/block_lattice.h"
 #include "support/explicit_material.h"
 
 #include <cmath>

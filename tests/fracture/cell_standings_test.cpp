@@ -4,6 +4,7 @@
 #include "fracture/cell_positions.h"
 #include "fracture/link_limits.h"
 #include "lattice/pieces.h"
+#include "support/block_lattice.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>

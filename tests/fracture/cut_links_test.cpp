@@ -2,6 +2,7 @@
 
 #include "fracture/cut_links.h"
 #include "support/block_body.h"
+#include "support/block_lattice.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>

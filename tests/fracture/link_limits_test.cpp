@@ -2,6 +2,7 @@
 
 #include "fracture/link_limits.h"
 #include "support/block_body.h"
+#include "support/block_lattice.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 // Links removed from a lattice and restored, and the connected parts that result.
 
 #include "lattice/pieces.h"
+#include "support/block_lattice.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>

@@ -4,6 +4,7 @@
 #include "lattice/pieces.h"
 #include "pliant/fracture.h"
 #include "support/block_body.h"
+#include "support/block_lattice.h"
 
 #include <gtest/gtest.h>
 

@@ -4,6 +4,7 @@
 #include "fracture/shards/shard_cracks.h"
 #include "lattice/pieces.h"
 #include "support/block_body.h"
+#include "support/block_lattice.h"
 
 #include <gtest/gtest.h>
 

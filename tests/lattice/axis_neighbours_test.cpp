@@ -1,6 +1,7 @@
 // Neighbours along the axes, compared with a search through all links of every cell.
 
 #include "lattice/axis_neighbours.h"
+#include "support/block_lattice.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 // A block is complete and fully linked; validate() detects each violated invariant.
 
 #include "lattice/lattice.h"
+#include "support/block_lattice.h"
 
 #include <gtest/gtest.h>
 

@@ -5,6 +5,7 @@
 #include "lattice/inside/grid.h"
 #include "lattice/region.h"
 #include "pliant/task_runner.h"
+#include "support/block_lattice.h"
 
 #include <cmath>
 #include <limits>

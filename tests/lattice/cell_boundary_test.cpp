@@ -1,6 +1,7 @@
 // The closed surfaces of a lattice's cells.
 
 #include "lattice/faces/cell_boundary.h"
+#include "support/block_lattice.h"
 
 #include <gtest/gtest.h>
 

@@ -3,6 +3,7 @@
 #include "lattice_checks.h"
 
 #include "pliant/task_runner.h"
+#include "support/block_lattice.h"
 
 #include <cmath>
 

@@ -2,6 +2,7 @@
 // bend as a rod and a plate do, because at w = 1 the three cells of a row resist bending with m d^2 / 18, which is E I.
 
 #include "support/block_body.h"
+#include "support/block_lattice.h"
 #include "support/explicit_material.h"
 
 #include <gtest/gtest.h>

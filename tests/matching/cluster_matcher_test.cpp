@@ -6,6 +6,7 @@
 #include "matching/raised_inverse.h"
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
+#include "support/block_lattice.h"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>

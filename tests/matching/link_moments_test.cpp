@@ -6,6 +6,7 @@
 #include "matching/implicit/strain_rates.h"
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
+#include "support/block_lattice.h"
 
 #include <gtest/gtest.h>
 

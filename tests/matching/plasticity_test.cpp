@@ -7,6 +7,7 @@
 #include "matching/step/plasticity.h"
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
+#include "support/block_lattice.h"
 #include "support/explicit_material.h"
 
 #include <gtest/gtest.h>

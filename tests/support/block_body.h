@@ -4,6 +4,7 @@
 
 #include "body/body.h"
 #include "lattice/pieces.h"
+#include "support/block_lattice.h"
 
 #include <algorithm>
 #include <memory>

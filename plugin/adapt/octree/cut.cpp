@@ -37,11 +37,6 @@ std::function<bool( std::uint32_t )> keepsByMass( const Octree& octree, float fr
 			   std::uint32_t node ) { return octree.mass[node] >= double( fraction ) * std::ldexp( 1.0, 3 * octree.levelOf( node ) ); };
 }
 
-std::function<bool( std::uint32_t )> keepsInside( const Octree& octree )
-{
-	return [&octree]( std::uint32_t node ) { return octree.isSurface[node] == 0; };
-}
-
 void numberCells( const Octree& octree, Cut& cut )
 {
 	cut.slotOfCell.resize( octree.cells.size() );

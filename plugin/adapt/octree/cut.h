@@ -24,9 +24,6 @@ Cut selectCut( const Octree& octree, const std::function<bool( std::uint32_t nod
 /// Ohta's rule: a node of level l is kept where its mass is at least `fraction` 8^l finest cells; otherwise its children are. In (0, 1].
 std::function<bool( std::uint32_t )> keepsByMass( const Octree& octree, float fraction );
 
-/// Keeps nodes without a surface cell.
-std::function<bool( std::uint32_t )> keepsInside( const Octree& octree );
-
 /// Fills slotOfCell from `node`, which must be a cut in depth-first order.
 void numberCells( const Octree& octree, Cut& cut );
 

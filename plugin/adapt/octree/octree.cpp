@@ -1,6 +1,7 @@
 #include "adapt/octree/octree.h"
 
 #include "adapt/octree/octree_steps.h"
+#include "lattice/table.h"
 #include "lattice/union_find.h"
 
 #include <algorithm>
@@ -77,24 +78,13 @@ void addLevel( Octree& octree, const Lattice& lattice, std::vector<std::uint32_t
 
 void listChildren( Octree& octree )
 {
-	octree.childStart.assign( octree.parent.size() + 1, 0 );
-	for ( const std::uint32_t parent : octree.parent )
-	{
-		if ( parent != kNoNode )
+	const auto forNodes = [&octree]( auto&& visit ) {
+		for ( std::uint32_t i = 0; i < std::uint32_t( octree.parent.size() ); ++i )
 		{
-			++octree.childStart[parent + 1];
+			octree.parent[i] != kNoNode ? visit( octree.parent[i], i ) : void();
 		}
-	}
-	std::partial_sum( octree.childStart.begin(), octree.childStart.end(), octree.childStart.begin() );
-	octree.child.resize( octree.childStart.back() );
-	std::vector<std::uint32_t> next( octree.childStart.begin(), octree.childStart.end() - 1 );
-	for ( std::uint32_t i = 0; i < std::uint32_t( octree.parent.size() ); ++i )
-	{
-		if ( octree.parent[i] != kNoNode )
-		{
-			octree.child[next[octree.parent[i]]++] = i;
-		}
-	}
+	};
+	sortIntoRows( octree.parent.size(), forNodes, octree.childStart, octree.child );
 }
 
 void orderCells( Octree& octree )

@@ -1,6 +1,7 @@
 #include "adapt/regions/interval_regions.h"
 
 #include "adapt/regions/interval_search.h"
+#include "lattice/table.h"
 
 #include <iterator>
 
@@ -39,25 +40,16 @@ Rows spread( const IntervalInput& input, const std::vector<std::uint32_t>& start
 Rows transposed( const Rows& rows )
 {
 	Rows result;
-	const std::size_t count = rows.start.size() - 1;
-	result.start.assign( count + 1, 0 );
-	for ( const std::uint32_t slot : rows.entry )
-	{
-		++result.start[slot + 1];
-	}
-	for ( std::size_t i = 0; i < count; ++i )
-	{
-		result.start[i + 1] += result.start[i];
-	}
-	result.entry.resize( rows.entry.size() );
-	std::vector<std::uint32_t> next( result.start.begin(), result.start.end() - 1 );
-	for ( std::size_t r = 0; r < count; ++r )
-	{
-		for ( std::uint32_t k = rows.start[r]; k < rows.start[r + 1]; ++k )
+	const auto forEntries = [&rows]( auto&& visit ) {
+		for ( std::uint32_t r = 0; r + 1 < std::uint32_t( rows.start.size() ); ++r )
 		{
-			result.entry[next[rows.entry[k]]++] = std::uint32_t( r );
+			for ( std::uint32_t k = rows.start[r]; k < rows.start[r + 1]; ++k )
+			{
+				visit( rows.entry[k], r );
+			}
 		}
-	}
+	};
+	sortIntoRows( rows.start.size() - 1, forEntries, result.start, result.entry );
 	return result;
 }
 
@@ -113,17 +105,6 @@ std::vector<std::uint32_t> intervalWidths( const Octree& octree, const Cut& cut,
 	for ( const std::uint32_t node : cut.node )
 	{
 		width.push_back( std::uint32_t( std::round( spacingOf( octree, node ) * std::max( 1.0, double( halfWidth ) ) ) ) );
-	}
-	return width;
-}
-
-std::vector<std::uint32_t> constantWidths( const Octree& octree, const Cut& cut, float halfWidth )
-{
-	std::vector<std::uint32_t> width;
-	width.reserve( cut.node.size() );
-	for ( const std::uint32_t node : cut.node )
-	{
-		width.push_back( std::uint32_t( std::round( std::max( spacingOf( octree, node ), kUnitsPerCell * double( halfWidth ) ) ) ) );
 	}
 	return width;
 }

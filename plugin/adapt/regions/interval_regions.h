@@ -21,9 +21,6 @@ std::vector<std::uint32_t> intervalWidths( const Octree& octree, const Cut& cut,
 /// The same for a half-width that varies in space (Fig. 4), given for each finest cell: the mean over the node's cells.
 std::vector<std::uint32_t> intervalWidths( const Octree& octree, const Cut& cut, const std::vector<float>& halfWidthOfCell );
 
-/// Returns the same width for all, `halfWidth` finest cells, but at least the spacing of the node's own level: max( w, 2^l ).
-std::vector<std::uint32_t> constantWidths( const Octree& octree, const Cut& cut, float halfWidth );
-
 struct IntervalRegions
 {
 	float eps = kIntervalEps;

@@ -1,5 +1,6 @@
 #include "adapt/octree/bucket_moore.h"
 #include "adapt/regions/interval_search.h"
+#include "lattice/table.h"
 
 namespace pliant {
 
@@ -66,7 +67,7 @@ public:
 		m_to( to ),
 		m_spans( slotSpans( to.octree, to.cut ) ), m_oldSpans( slotSpans( from.octree, from.cut ) ),
 		m_collectedFor( change.before.size(), kNoNode ), m_change( change ), m_old( old ), m_regions( update.regions ),
-		m_isSearched( change.before.size(), 0 ), m_isAffected( change.before.size(), 0 ), m_heldStart( change.before.size() + 1, 0 )
+		m_isSearched( change.before.size(), 0 ), m_isAffected( change.before.size(), 0 )
 	{
 		for ( const std::uint32_t slot : update.searched )
 		{
@@ -146,23 +147,16 @@ private:
 	/// Lists, for each slot, the searched slots whose rows hold it now, and marks it as affected.
 	void listHolders( const std::vector<std::uint32_t>& searched )
 	{
-		for ( const std::uint32_t holder : searched )
-		{
-			forEachOwn( holder, [this]( std::uint32_t slot ) {
-				m_isAffected[slot] = 1;
-				++m_heldStart[slot + 1];
-			} );
-		}
-		for ( std::size_t slot = 1; slot < m_heldStart.size(); ++slot )
-		{
-			m_heldStart[slot] += m_heldStart[slot - 1];
-		}
-		m_heldBy.resize( m_heldStart.back() );
-		std::vector<std::uint32_t> next( m_heldStart.begin(), m_heldStart.end() - 1 );
-		for ( const std::uint32_t holder : searched )
-		{
-			forEachOwn( holder, [&]( std::uint32_t slot ) { m_heldBy[next[slot]++] = holder; } );
-		}
+		const auto forHeld = [&]( auto&& visit ) {
+			for ( const std::uint32_t holder : searched )
+			{
+				forEachOwn( holder, [&]( std::uint32_t slot ) {
+					m_isAffected[slot] = 1;
+					visit( slot, holder );
+				} );
+			}
+		};
+		sortIntoRows( m_isAffected.size(), forHeld, m_heldStart, m_heldBy );
 	}
 
 	/// Collects the union of a slot's row and column, ascending; returns the size of the row alone.

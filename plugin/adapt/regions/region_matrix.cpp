@@ -1,6 +1,7 @@
 #include "adapt/regions/region_matrix.h"
 
 #include "adapt/regions/slot_change.h"
+#include "lattice/table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -213,28 +214,20 @@ private:
 	/// symmetric.
 	void listColumns()
 	{
-		m_columnStart.assign( m_to.node.size() + 1, 0 );
-		for ( const std::uint32_t slot : m_counted.member )
-		{
-			m_columnStart[slot + 1] += isCounted( slot ) ? 0 : 1;
-		}
-		for ( std::size_t i = 1; i < m_columnStart.size(); ++i )
-		{
-			m_columnStart[i] += m_columnStart[i - 1];
-		}
-		m_column.resize( m_columnStart.back() );
-		std::vector<std::uint32_t> next( m_columnStart.begin(), m_columnStart.end() - 1 );
-		for ( std::uint32_t child = 0; child < std::uint32_t( m_to.count() ); ++child )
-		{
-			const std::uint32_t r = m_childRow[child];
-			for ( std::uint32_t k = r == kNoNode ? 0 : m_counted.start[r]; r != kNoNode && k < m_counted.start[r + 1]; ++k )
+		const auto forEntries = [this]( auto&& visit ) {
+			for ( std::uint32_t child = 0; child < std::uint32_t( m_to.count() ); ++child )
 			{
-				if ( const std::uint32_t slot = m_counted.member[k]; !isCounted( slot ) )
+				const std::uint32_t r = m_childRow[child];
+				for ( std::uint32_t k = r == kNoNode ? 0 : m_counted.start[r]; r != kNoNode && k < m_counted.start[r + 1]; ++k )
 				{
-					m_column[next[slot]++] = Entry{ child, m_counted.fraction[k], m_counted.mass[k] }; // row and column swapped
+					if ( const std::uint32_t slot = m_counted.member[k]; !isCounted( slot ) )
+					{
+						visit( slot, Entry{ child, m_counted.fraction[k], m_counted.mass[k] } ); // row and column swapped
+					}
 				}
 			}
-		}
+		};
+		sortIntoRows( m_to.node.size(), forEntries, m_columnStart, m_column );
 	}
 
 	void appendCounted( std::uint32_t slot, RegionMatrix& result ) const

@@ -4,47 +4,19 @@
 #include "c/numbers.h"
 #include "pliant/c/body.h"
 
-namespace pliant::c {
-
-namespace {
-
-pliant_result refuseNode()
-{
-	return refuse( PLIANT_BAD_ARGUMENT, "The body has no node of this index." );
-}
-
-/// Calls `work( SoftBody&, const btTransform& )`.
-template <class F>
-pliant_result withPose( pliant_world* world, pliant_id body, const pliant_pose* pose, F&& work )
-{
-	return withSoft( world, body, [&]( SoftBody& soft ) {
-		btTransform transform;
-		if ( const pliant_result code = readPose( pose, transform ); code != PLIANT_OK )
-		{
-			return code;
-		}
-		return resultOf( work( soft, transform ) );
-	} );
-}
-
-} // namespace
-
-} // namespace pliant::c
-
 using namespace pliant;
 using namespace pliant::c;
 
 pliant_result pliant_body_set_velocity( pliant_world* world, pliant_id body, pliant_vec3 linear, pliant_vec3 angular )
 {
-	return withSoft(
-		world, body, [&]( SoftBody& soft ) { return resultOf( soft.setVelocities( vectorOf( linear ), vectorOf( angular ) ) ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { return soft.setVelocities( vectorOf( linear ), vectorOf( angular ) ); } );
 }
 
 pliant_result pliant_body_apply_impulse( pliant_world* world, pliant_id body, int32_t node, pliant_vec3 impulse )
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
 		const btVector3 push = vectorOf( impulse );
-		return resultOf( node == -1 ? soft.applyCentralImpulse( push ) : soft.applyImpulse( push, node ) );
+		return node == -1 ? soft.applyCentralImpulse( push ) : soft.applyImpulse( push, node );
 	} );
 }
 
@@ -52,7 +24,7 @@ pliant_result pliant_body_apply_force( pliant_world* world, pliant_id body, int3
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
 		const btVector3 push = vectorOf( force );
-		return resultOf( node == -1 ? soft.applyCentralForce( push ) : soft.applyForce( push, node ) );
+		return node == -1 ? soft.applyCentralForce( push ) : soft.applyForce( push, node );
 	} );
 }
 
@@ -61,54 +33,49 @@ pliant_result pliant_body_set_gravity( pliant_world* world, pliant_id body, cons
 	return withSoft( world, body, [&]( SoftBody& soft ) {
 		if ( gravity )
 		{
-			return resultOf( soft.setGravity( vectorOf( *gravity ) ) );
+			return soft.setGravity( vectorOf( *gravity ) );
 		}
 		soft.clearGravity();
-		return pliant_result( PLIANT_OK );
+		return Status{};
 	} );
 }
 
 pliant_result pliant_body_teleport( pliant_world* world, pliant_id body, const pliant_pose* by )
 {
-	return withPose( world, body, by, []( SoftBody& soft, const btTransform& transform ) { return soft.teleport( transform ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { return soft.teleport( readPose( by ) ); } );
 }
 
 pliant_result pliant_body_reset( pliant_world* world, pliant_id body, const pliant_pose* pose )
 {
-	return withPose( world, body, pose, []( SoftBody& soft, const btTransform& transform ) { return soft.reset( transform ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { return soft.reset( readPose( pose ) ); } );
 }
 
 pliant_result pliant_body_set_scale( pliant_world* world, pliant_id body, double scale )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) { return resultOf( soft.setScale( btScalar( scale ) ) ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { return soft.setScale( btScalar( scale ) ); } );
 }
 
 pliant_result pliant_body_pin( pliant_world* world, pliant_id body, int32_t node )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) { return resultOf( soft.pinNode( node ) ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { return soft.pinNode( node ); } );
 }
 
 pliant_result pliant_body_pin_to( pliant_world* world, pliant_id body, int32_t node, pliant_id rigid )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) {
-		return withRigid( world, rigid, [&]( btRigidBody& to ) { return resultOf( soft.pinNodeToBody( node, &to ) ); } );
-	} );
+	return withSoft( world, body,
+		[&]( SoftBody& soft ) { return withRigid( world, rigid, [&]( btRigidBody& to ) { return soft.pinNodeToBody( node, &to ); } ); } );
 }
 
 pliant_result pliant_body_drive( pliant_world* world, pliant_id body, int32_t node, pliant_vec3 position )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) { return resultOf( soft.driveNode( node, vectorOf( position ) ) ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { return soft.driveNode( node, vectorOf( position ) ); } );
 }
 
 pliant_result pliant_body_release( pliant_world* world, pliant_id body, int32_t node )
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
-		if ( node < 0 || node >= soft.nodeCount() )
-		{
-			return refuseNode();
-		}
+		requireNode( soft, node );
 		soft.releaseNode( node );
-		return pliant_result( PLIANT_OK );
 	} );
 }
 
@@ -116,12 +83,7 @@ pliant_result pliant_body_pin_inside( pliant_world* world, pliant_id body, plian
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
 		const btVector3 from = vectorOf( low ), to = vectorOf( high );
-		if ( !isNumber( from ) || !isNumber( to ) )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, "A corner of the box is not finite." );
-		}
-		const int count = soft.pinNodesInside( from, to );
-		pinned ? void( *pinned = count ) : void();
-		return pliant_result( PLIANT_OK );
+		rejectIf( !isNumber( from ) || !isNumber( to ), PLIANT_BAD_ARGUMENT, "A corner of the box is not finite." );
+		offer( soft.pinNodesInside( from, to ), pinned );
 	} );
 }

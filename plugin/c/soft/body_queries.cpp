@@ -5,9 +5,6 @@
 #include "c/settings.h"
 #include "pliant/c/body.h"
 
-#include <cstdint>
-#include <limits>
-
 namespace pliant::c {
 
 namespace {
@@ -22,13 +19,6 @@ pliant_body_settings defaultBody()
 	return settings;
 }
 
-pliant_result checkUserData( const pliant_body_settings& settings )
-{
-	return settings.user_data <= std::numeric_limits<std::uintptr_t>::max()
-		? PLIANT_OK
-		: refuse( PLIANT_BAD_ARGUMENT, "The user data does not fit into a pointer of this machine." );
-}
-
 /// Conversion of pliant_body_settings.
 struct Taken
 {
@@ -39,26 +29,20 @@ struct Taken
 	btTransform pose;
 };
 
-pliant_result takeBody( const pliant_body_settings* given, Taken& taken )
+Taken takeBody( const pliant_body_settings* given )
 {
-	pliant_result code = readSized( given, taken.full );
+	Taken taken;
 	const pliant_body_settings& full = taken.full;
-	code = code == PLIANT_OK ? take( full.material, taken.material ) : code;
-	code = code == PLIANT_OK ? take( full.adaptivity, taken.adaptivity ) : code;
-	code = code == PLIANT_OK ? take( full.fracture, taken.fracture ) : code;
-	if ( code != PLIANT_OK )
-	{
-		return code;
-	}
-	if ( !takePose( full.pose, taken.pose ) )
-	{
-		return refuse( PLIANT_BAD_ARGUMENT, "pliant_body_settings::pose must be within 1e9 m, with a quaternion that is not zero." );
-	}
-	if ( !isWithin( full.friction, 0, kMostFriction ) || !isWithin( full.restitution, 0, 1 ) )
-	{
-		return refuse( PLIANT_BAD_SETTINGS, "pliant_body_settings: friction must lie in 0 to 1e6, and restitution in 0 to 1." );
-	}
-	return checkUserData( full );
+	readSized( given, taken.full );
+	taken.material = take<Material>( full.material, PLIANT_BAD_MATERIAL );
+	taken.adaptivity = take<Adaptivity>( full.adaptivity );
+	taken.fracture = take<Fracture>( full.fracture );
+	taken.pose = takePose(
+		full.pose, PLIANT_BAD_ARGUMENT, "pliant_body_settings::pose must be within 1e9 m, with a quaternion that is not zero." );
+	rejectIf( !isWithin( full.friction, 0, kMostFriction ) || !isWithin( full.restitution, 0, 1 ), PLIANT_BAD_SETTINGS,
+		"pliant_body_settings: friction must lie in 0 to 1e6, and restitution in 0 to 1." );
+	userPointer( full.user_data );
+	return taken;
 }
 
 /// Made, but in no world.
@@ -105,13 +89,10 @@ pliant_body_state inC( const SoftBody& body )
 
 /// Writes a vector of each node.
 template <class F>
-pliant_result writeNodes( const SoftBody& body, double* out, std::uint64_t capacity, std::uint64_t* count, F&& vectorOfNode )
+void writeNodes( const SoftBody& body, double* out, std::uint64_t capacity, std::uint64_t* count, F&& vectorOfNode )
 {
-	if ( !count || ( !out && capacity > 0 ) )
-	{
-		return refuseNull();
-	}
 	const int nodes = body.nodeCount();
+	giveCount( std::uint64_t( nodes ), out, capacity, count );
 	for ( int k = 0; k < nodes && std::uint64_t( k ) < capacity; ++k )
 	{
 		const btVector3 v = vectorOfNode( k );
@@ -119,8 +100,6 @@ pliant_result writeNodes( const SoftBody& body, double* out, std::uint64_t capac
 		*out++ = double( v.y() );
 		*out++ = double( v.z() );
 	}
-	*count = std::uint64_t( nodes );
-	return PLIANT_OK;
 }
 
 } // namespace
@@ -146,21 +125,21 @@ pliant_surface inC( const SurfaceView& view )
 	return c;
 }
 
-pliant_result takeMembership( const pliant_body_settings* given, pliant_body_settings& full )
+pliant_body_settings takeMembership( const pliant_body_settings* given )
 {
-	full = defaultBody();
-	const pliant_result code = readSized( given, full );
-	return code == PLIANT_OK ? checkUserData( full ) : code;
+	pliant_body_settings full = defaultBody();
+	readSized( given, full );
+	userPointer( full.user_data );
+	return full;
 }
 
-pliant_result addMade( pliant_world& world, std::unique_ptr<SoftBody> body, const pliant_body_settings& full, pliant_id& made )
+void addMade( pliant_world& world, std::unique_ptr<SoftBody> body, const pliant_body_settings& full, pliant_id& made )
 {
 	SoftBody* const added = body.get();
-	added->setUserPointer( reinterpret_cast<void*>( std::uintptr_t( full.user_data ) ) );
+	added->setUserPointer( userPointer( full.user_data ) );
 	world.madeSoft.emplace( added, std::move( body ) );
 	world.host->addSoftBody( added, full.group, full.mask );
 	made = identityOf( *added );
-	return PLIANT_OK;
 }
 
 } // namespace pliant::c
@@ -170,42 +149,32 @@ using namespace pliant::c;
 
 pliant_result pliant_body_settings_init( pliant_body_settings* settings, uint32_t size )
 {
-	return writeSized( defaultBody(), settings, size );
+	return initSized( defaultBody(), settings, size );
 }
 
 pliant_result pliant_body_create( pliant_world* world, const pliant_template* from, const pliant_body_settings* settings, pliant_id* made )
 {
 	return withWorld( world, [&]( SoftBodyHost& ) {
-		if ( !from || !made )
-		{
-			return refuseNull();
-		}
-		Taken taken;
-		if ( const pliant_result code = takeBody( settings, taken ); code != PLIANT_OK )
-		{
-			return code;
-		}
+		requirePointers( from, made );
+		const Taken taken = takeBody( settings );
 		SoftBodyResult body = makeBody( *from, taken );
-		if ( !body.ok() )
+		if ( body.ok() )
 		{
-			return resultOf( body.status );
+			addMade( *world, std::move( body.value ), taken.full, *made );
 		}
-		return addMade( *world, std::move( body.value ), taken.full, *made );
+		return body.status;
 	} );
 }
 
 pliant_result pliant_body_get_state( const pliant_world* world, pliant_id body, pliant_body_state* state, uint32_t size )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) { return writeSized( inC( soft ), state, size ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { writeSized( inC( soft ), state, size ); } );
 }
 
 pliant_result pliant_body_get_node( const pliant_world* world, pliant_id body, int32_t node, pliant_node* out, uint32_t size )
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
-		if ( node < 0 || node >= soft.nodeCount() )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, "The body has no node of this index." );
-		}
+		requireNode( soft, node );
 		pliant_node full{};
 		full.level = soft.nodeLevel( node );
 		full.position = vectorOf( soft.nodePosition( node ) );
@@ -214,65 +183,56 @@ pliant_result pliant_body_get_node( const pliant_world* world, pliant_id body, i
 		full.radius = double( soft.nodeRadius( node ) );
 		full.is_pinned = soft.isPinned( node ) ? 1 : 0;
 		full.cell = soft.cellOfNode( node );
-		return writeSized( full, out, size );
+		writeSized( full, out, size );
 	} );
 }
 
 pliant_result pliant_body_get_positions( const pliant_world* world, pliant_id body, double* positions, uint64_t capacity, uint64_t* count )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) {
-		return writeNodes( soft, positions, capacity, count, [&]( int node ) { return soft.nodePosition( node ); } );
-	} );
+	return withSoft( world, body,
+		[&]( SoftBody& soft ) { writeNodes( soft, positions, capacity, count, [&]( int node ) { return soft.nodePosition( node ); } ); } );
 }
 
 pliant_result pliant_body_get_velocities(
 	const pliant_world* world, pliant_id body, double* velocities, uint64_t capacity, uint64_t* count )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) {
-		return writeNodes( soft, velocities, capacity, count, [&]( int node ) { return soft.nodeVelocity( node ); } );
-	} );
+	return withSoft( world, body,
+		[&]( SoftBody& soft ) { writeNodes( soft, velocities, capacity, count, [&]( int node ) { return soft.nodeVelocity( node ); } ); } );
 }
 
 pliant_result pliant_body_get_nearest_node( const pliant_world* world, pliant_id body, pliant_vec3 point, int32_t* node )
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
-		if ( !node )
-		{
-			return refuseNull();
-		}
-		if ( !isNumber( vectorOf( point ) ) )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, "A coordinate is not finite." );
-		}
+		requirePointers( node );
+		rejectIf( !isNumber( vectorOf( point ) ), PLIANT_BAD_ARGUMENT, "A coordinate is not finite." );
 		*node = soft.nearestNode( vectorOf( point ) );
-		return pliant_result( PLIANT_OK );
 	} );
 }
 
 pliant_result pliant_body_get_surface( const pliant_world* world, pliant_id body, pliant_surface* surface, uint32_t size )
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
-		const bool isRefused = !surface || !isSizeKnown<pliant_surface>( size );
-		return writeSized( isRefused ? pliant_surface{} : inC( soft.surface() ), surface, size );
+		requireSized( surface, size );
+		writeSized( inC( soft.surface() ), surface, size );
 	} );
 }
 
 pliant_result pliant_body_get_material( const pliant_world* world, pliant_id body, pliant_material* material, uint32_t size )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) { return writeSized( c::inC( soft.material() ), material, size ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { writeSized( inC<pliant_material>( soft.material() ), material, size ); } );
 }
 
 pliant_result pliant_body_get_fracture( const pliant_world* world, pliant_id body, pliant_fracture* fracture, uint32_t size )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) { return writeSized( c::inC( soft.fracture() ), fracture, size ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { writeSized( inC<pliant_fracture>( soft.fracture() ), fracture, size ); } );
 }
 
 pliant_result pliant_body_get_adaptivity( const pliant_world* world, pliant_id body, pliant_adaptivity* adaptivity, uint32_t size )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) { return writeSized( c::inC( soft.adaptivity() ), adaptivity, size ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { writeSized( inC<pliant_adaptivity>( soft.adaptivity() ), adaptivity, size ); } );
 }
 
 pliant_result pliant_body_get_node_of_cell( const pliant_world* world, pliant_id body, int32_t cell, int32_t* node )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) { return give( std::int32_t( soft.nodeOfCell( cell ) ), node ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { give( std::int32_t( soft.nodeOfCell( cell ) ), node ); } );
 }

@@ -9,26 +9,14 @@ namespace pliant::c {
 
 namespace {
 
-pliant_result give( const Result<int>& result, std::int32_t* made )
-{
-	if ( result.ok() && made )
-	{
-		*made = result.value;
-	}
-	return resultOf( result.status );
-}
-
 /// Calls `work( SoftBody&, btCollisionObject&, const AttachmentSettings& )`, which returns a Result<int>.
 template <class F>
 pliant_result attach(
 	pliant_world* world, pliant_id body, pliant_id to, const pliant_attachment_settings* given, std::int32_t* made, F&& work )
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
-		return withObject( world, to, [&]( btCollisionObject& other ) {
-			AttachmentSettings settings;
-			const pliant_result code = take( given, settings );
-			return code == PLIANT_OK ? give( work( soft, other, settings ), made ) : code;
-		} );
+		return withObject(
+			world, to, [&]( btCollisionObject& other ) { return offer( work( soft, other, take<AttachmentSettings>( given ) ), made ); } );
 	} );
 }
 
@@ -70,42 +58,42 @@ pliant_result pliant_weld(
 pliant_result pliant_detach( pliant_world* world, int32_t attachment )
 {
 	return withWorld( world, [&]( SoftBodyHost& host ) {
-		return host.detach( attachment ) ? pliant_result( PLIANT_OK )
-										 : refuse( PLIANT_NO_SUCH_OBJECT, "The world has no attachment of this number." );
+		rejectIf( !host.detach( attachment ), PLIANT_NO_SUCH_OBJECT, "The world has no attachment of this number." );
 	} );
 }
 
 pliant_result pliant_world_get_attachment_count( const pliant_world* world, int32_t* count )
 {
-	return withWorld( world, [&]( SoftBodyHost& host ) { return give( std::int32_t( host.attachmentCount() ), count ); } );
+	return withWorld( world, [&]( SoftBodyHost& host ) { give( std::int32_t( host.attachmentCount() ), count ); } );
 }
 
 pliant_result pliant_attachment_get_force( const pliant_world* world, int32_t attachment, pliant_vec3* force )
 {
-	return withWorld( world, [&]( SoftBodyHost& host ) { return give( vectorOf( host.attachmentForce( attachment ) ), force ); } );
+	return withWorld( world, [&]( SoftBodyHost& host ) { give( vectorOf( host.attachmentForce( attachment ) ), force ); } );
 }
 
 pliant_result pliant_frame_create( pliant_world* world, pliant_id body, pliant_vec3 point, double radius, pliant_id* made )
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
-		if ( !made )
-		{
-			return refuseNull();
-		}
+		requirePointers( made );
 		const Result<btRigidBody*> frame = world->host->addFrame( soft, vectorOf( point ), btScalar( radius ) );
-		return frame.ok() ? give( identityOf( *world, frame.value ), made ) : resultOf( frame.status );
+		if ( frame.ok() )
+		{
+			*made = identityOf( *world, frame.value );
+		}
+		return frame.status;
 	} );
 }
 
 pliant_result pliant_frame_destroy( pliant_world* world, pliant_id frame )
 {
-	return withRigid( world, frame, [&]( btRigidBody& ) { return destroyFrame( *world, frame ); } );
+	return withRigid( world, frame, [&]( btRigidBody& ) { destroyFrame( *world, frame ); } );
 }
 
 pliant_result pliant_frame_get_body( const pliant_world* world, pliant_id frame, pliant_id* body )
 {
 	return withRigid( world, frame, [&]( btRigidBody& rigid ) {
 		const SoftBody* const owner = world->host->frameOwner( &rigid );
-		return give( owner ? identityOf( *owner ) : pliant_id( 0 ), body );
+		give( owner ? identityOf( *owner ) : pliant_id( 0 ), body );
 	} );
 }

@@ -19,12 +19,10 @@ namespace {
 template <class F>
 pliant_result ask( const pliant_query* query, const pliant_vec3& point, F&& work )
 {
-	return call( [&]() -> pliant_result {
-		if ( !query )
-		{
-			return refuseNull();
-		}
-		return isNumber( vectorOf( point ) ) ? work( query->surface ) : refuse( PLIANT_BAD_ARGUMENT, "A coordinate is not finite." );
+	return call( [&]() {
+		requirePointers( query );
+		rejectIf( !isNumber( vectorOf( point ) ), PLIANT_BAD_ARGUMENT, "A coordinate is not finite." );
+		work( query->surface );
 	} );
 }
 
@@ -38,12 +36,8 @@ using namespace pliant::c;
 pliant_result pliant_query_create( const pliant_world* world, pliant_id body, pliant_query** made )
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
-		if ( !made )
-		{
-			return refuseNull();
-		}
+		requirePointers( made );
 		*made = new pliant_query( soft );
-		return pliant_result( PLIANT_OK );
 	} );
 }
 
@@ -62,24 +56,21 @@ pliant_result pliant_query_get_nearest( const pliant_query* query, pliant_vec3 p
 		full.normal = vectorOf( found.normal );
 		full.distance = double( found.distance );
 		full.triangle = found.triangle;
-		return writeSized( full, nearest, size );
+		writeSized( full, nearest, size );
 	} );
 }
 
 pliant_result pliant_query_get_inside( const pliant_query* query, pliant_vec3 point, int32_t* is_inside )
 {
 	return ask( query, point,
-		[&]( const SurfaceQuery& surface ) { return give( std::int32_t( surface.isInside( vectorOf( point ) ) ? 1 : 0 ), is_inside ); } );
+		[&]( const SurfaceQuery& surface ) { give( std::int32_t( surface.isInside( vectorOf( point ) ) ? 1 : 0 ), is_inside ); } );
 }
 
 pliant_result pliant_query_get_touching( const pliant_query* query, pliant_vec3 centre, double radius, int32_t* is_touching )
 {
 	return ask( query, centre, [&]( const SurfaceQuery& surface ) {
-		if ( !isWithin( radius, 0, kMostPosition ) )
-		{
-			return refuse( PLIANT_BAD_ARGUMENT, "The radius must be 0 to 1e9 m." );
-		}
-		return give( std::int32_t( surface.touchesSphere( vectorOf( centre ), btScalar( radius ) ) ? 1 : 0 ), is_touching );
+		rejectIf( !isWithin( radius, 0, kMostPosition ), PLIANT_BAD_ARGUMENT, "The radius must be 0 to 1e9 m." );
+		give( std::int32_t( surface.touchesSphere( vectorOf( centre ), btScalar( radius ) ) ? 1 : 0 ), is_touching );
 	} );
 }
 
@@ -90,6 +81,6 @@ pliant_result pliant_query_get_measures( const pliant_query* query, pliant_measu
 		full.is_drawn = surface.isDrawn() ? 1 : 0;
 		full.volume = double( surface.volume() );
 		full.area = double( surface.area() );
-		return writeSized( full, measures, size );
+		writeSized( full, measures, size );
 	} );
 }

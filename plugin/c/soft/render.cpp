@@ -36,6 +36,8 @@ static_assert( sizeof( pliant_vertex_source ) == sizeof( VertexSource ) );
 static_assert( offsetof( pliant_vertex_source, weight ) == offsetof( VertexSource, weight ) );
 static_assert( kSkinNone == PLIANT_SKIN_NONE && VertexSource::kInside == PLIANT_SOURCE_INSIDE );
 
+using c::inC; // of surfaces
+
 template <class T>
 pliant_skin_array inC( const SkinArray<T>& array )
 {
@@ -88,8 +90,8 @@ template <class C, class F>
 pliant_result view( const pliant_world* world, pliant_id body, C* out, std::uint32_t size, F&& viewOf )
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
-		const bool isRefused = !out || !isSizeKnown<C>( size );
-		return writeSized( isRefused ? C{} : viewOf( soft ), out, size );
+		requireSized( out, size );
+		writeSized( inC( viewOf( soft ) ), out, size );
 	} );
 }
 
@@ -97,18 +99,21 @@ pliant_result view( const pliant_world* world, pliant_id body, C* out, std::uint
 template <class C, class F>
 pliant_result viewSkin( pliant_skin* skin, const pliant_world* world, pliant_id body, C* out, std::uint32_t size, F&& viewOf )
 {
-	return skin ? view( world, body, out, size, [&]( const SoftBody& soft ) { return viewOf( *skin->skin, soft ); } ) : refuseNull();
+	return call( [&]() {
+		requirePointers( skin );
+		return view( world, body, out, size, [&]( const SoftBody& soft ) { return viewOf( *skin->skin, soft ); } );
+	} );
 }
 
 /// Makes a skin of a mesh.
-pliant_result makeSkin( std::shared_ptr<const RenderMesh> mesh, pliant_skin** made )
+Status makeSkin( std::shared_ptr<const RenderMesh> mesh, pliant_skin** made )
 {
 	auto skin = RenderSkin::create( mesh );
 	if ( skin.ok() )
 	{
 		*made = new pliant_skin{ std::move( mesh ), std::move( skin.value ) };
 	}
-	return resultOf( skin.status );
+	return skin.status;
 }
 
 } // namespace
@@ -120,41 +125,39 @@ using namespace pliant::c;
 
 pliant_result pliant_body_get_gpu_surface( const pliant_world* world, pliant_id body, pliant_gpu_surface* surface, uint32_t size )
 {
-	return view( world, body, surface, size, []( const SoftBody& soft ) { return inC( soft.gpuSurface() ); } );
+	return view( world, body, surface, size, []( const SoftBody& soft ) { return soft.gpuSurface(); } );
 }
 
 pliant_result pliant_body_get_vertex_sources( const pliant_world* world, pliant_id body, pliant_vertex_sources* sources, uint32_t size )
 {
-	return view( world, body, sources, size, []( const SoftBody& soft ) { return inC( vertexSources( soft ) ); } );
+	return view( world, body, sources, size, []( const SoftBody& soft ) { return vertexSources( soft ); } );
 }
 
 pliant_result pliant_body_get_tangents( const pliant_world* world, pliant_id body, pliant_tangents* out, uint32_t size )
 {
-	return view( world, body, out, size, []( const SoftBody& soft ) { return inC( tangents( soft ) ); } );
+	return view( world, body, out, size, []( const SoftBody& soft ) { return tangents( soft ); } );
 }
 
 pliant_result pliant_body_get_rest_tangents( const pliant_world* world, pliant_id body, pliant_tangents* out, uint32_t size )
 {
-	return view( world, body, out, size, []( const SoftBody& soft ) { return inC( restTangents( soft ) ); } );
+	return view( world, body, out, size, []( const SoftBody& soft ) { return restTangents( soft ); } );
 }
 
 pliant_result pliant_skin_create( const pliant_template* of, const pliant_mesh* mesh, pliant_skin** made )
 {
-	return call( [&]() -> pliant_result {
-		MeshView taken;
-		const pliant_result code = of && made ? takeMesh( mesh, taken ) : refuseNull();
-		if ( code != PLIANT_OK )
-		{
-			return code;
-		}
-		auto bound = RenderMesh::bind( of->shared, taken );
-		return bound.ok() ? makeSkin( std::move( bound.value ), made ) : resultOf( bound.status );
+	return call( [&]() {
+		requirePointers( of, made );
+		auto bound = RenderMesh::bind( of->shared, takeMesh( mesh ) );
+		return bound.ok() ? makeSkin( std::move( bound.value ), made ) : bound.status;
 	} );
 }
 
 pliant_result pliant_skin_copy( const pliant_skin* of, pliant_skin** made )
 {
-	return call( [&]() -> pliant_result { return of && made ? makeSkin( of->mesh, made ) : refuseNull(); } );
+	return call( [&]() {
+		requirePointers( of, made );
+		return makeSkin( of->mesh, made );
+	} );
 }
 
 void pliant_skin_destroy( pliant_skin* skin )
@@ -165,20 +168,17 @@ void pliant_skin_destroy( pliant_skin* skin )
 pliant_result pliant_skin_get_surface(
 	pliant_skin* skin, const pliant_world* world, pliant_id body, pliant_surface* surface, uint32_t size )
 {
-	return viewSkin(
-		skin, world, body, surface, size, []( RenderSkin& of, const SoftBody& soft ) { return c::inC( of.surface( soft ) ); } );
+	return viewSkin( skin, world, body, surface, size, []( RenderSkin& of, const SoftBody& soft ) { return of.surface( soft ); } );
 }
 
 pliant_result pliant_skin_get_gpu_surface(
 	pliant_skin* skin, const pliant_world* world, pliant_id body, pliant_gpu_surface* surface, uint32_t size )
 {
-	return viewSkin(
-		skin, world, body, surface, size, []( RenderSkin& of, const SoftBody& soft ) { return inC( of.gpuSurface( soft ) ); } );
+	return viewSkin( skin, world, body, surface, size, []( RenderSkin& of, const SoftBody& soft ) { return of.gpuSurface( soft ); } );
 }
 
 pliant_result pliant_skin_get_vertex_sources(
 	pliant_skin* skin, const pliant_world* world, pliant_id body, pliant_vertex_sources* sources, uint32_t size )
 {
-	return viewSkin(
-		skin, world, body, sources, size, []( RenderSkin& of, const SoftBody& soft ) { return inC( of.vertexSources( soft ) ); } );
+	return viewSkin( skin, world, body, sources, size, []( RenderSkin& of, const SoftBody& soft ) { return of.vertexSources( soft ); } );
 }

@@ -46,16 +46,13 @@ pliant_result follow( pliant_world* world, pliant_id body, const pliant_pose_set
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
 		pliant_pose_settings full = defaultPose();
-		if ( const pliant_result code = readSized( given, full ); code != PLIANT_OK )
-		{
-			return code;
-		}
+		readSized( given, full );
 		PoseSettings settings;
 		settings.frequency = full.frequency;
 		settings.dampingRatio = full.damping_ratio;
 		settings.paint = full.paint ? paintOf : nullptr;
 		settings.context = &full;
-		return resultOf( work( soft, settings ) );
+		return work( soft, settings );
 	} );
 }
 
@@ -92,24 +89,23 @@ using namespace pliant::c;
 
 pliant_result pliant_skin_weights_init( pliant_skin_weights* weights, uint32_t size )
 {
-	return writeSized( defaultWeights(), weights, size );
+	return initSized( defaultWeights(), weights, size );
 }
 
 pliant_result pliant_pose_settings_init( pliant_pose_settings* settings, uint32_t size )
 {
-	return writeSized( defaultPose(), settings, size );
+	return initSized( defaultPose(), settings, size );
 }
 
 pliant_result pliant_body_follow_bones(
 	pliant_world* world, pliant_id body, const pliant_skin_weights* weights, const pliant_pose_settings* settings )
 {
 	return withSoft( world, body, [&]( SoftBody& ) {
+		requirePointers( weights );
 		pliant_skin_weights full = defaultWeights();
-		const pliant_result code = weights ? readSized( weights, full ) : refuseNull();
+		readSized( weights, full );
 		const SkinWeights taken{ full.bones, full.weights, full.per_vertex, full.vertex_count, full.bone_count };
-		return code == PLIANT_OK
-			? follow( world, body, settings, [&]( SoftBody& soft, const PoseSettings& how ) { return followBones( soft, taken, how ); } )
-			: code;
+		return follow( world, body, settings, [&]( SoftBody& soft, const PoseSettings& how ) { return followBones( soft, taken, how ); } );
 	} );
 }
 
@@ -120,15 +116,12 @@ pliant_result pliant_body_follow_targets( pliant_world* world, pliant_id body, c
 
 pliant_result pliant_body_stop_following( pliant_world* world, pliant_id body )
 {
-	return withSoft( world, body, []( SoftBody& soft ) {
-		stopFollowing( soft );
-		return pliant_result( PLIANT_OK );
-	} );
+	return withSoft( world, body, []( SoftBody& soft ) { stopFollowing( soft ); } );
 }
 
 pliant_result pliant_body_get_following( const pliant_world* world, pliant_id body, int32_t* is_following )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) { return give( isFollowing( soft ) ? 1 : 0, is_following ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { give( isFollowing( soft ) ? 1 : 0, is_following ); } );
 }
 
 pliant_result pliant_body_set_pose( pliant_world* world, pliant_id body, const double* bones, int32_t count, int32_t jumps )
@@ -136,7 +129,7 @@ pliant_result pliant_body_set_pose( pliant_world* world, pliant_id body, const d
 	return withSoft( world, body, [&]( SoftBody& soft ) {
 		const PoseFollower* const follower = soft.impl().follower.get();
 		const auto all = listOf<btTransform>( bones, count, follower ? follower->model->boneCount : 0, 12, transformOf );
-		return resultOf( setPose( soft, all.size() == 0 ? nullptr : &all[0], count, jumps != 0 ) );
+		return setPose( soft, all.size() == 0 ? nullptr : &all[0], count, jumps != 0 );
 	} );
 }
 
@@ -145,31 +138,30 @@ pliant_result pliant_body_set_targets( pliant_world* world, pliant_id body, cons
 	return withSoft( world, body, [&]( SoftBody& soft ) {
 		const PoseFollower* const follower = soft.impl().follower.get();
 		const auto all = listOf<btVector3>( positions, count, follower ? int( follower->model->rest.size() ) : 0, 3, positionOf );
-		return resultOf( setTargets( soft, all.size() == 0 ? nullptr : &all[0], count, jumps != 0 ) );
+		return setTargets( soft, all.size() == 0 ? nullptr : &all[0], count, jumps != 0 );
 	} );
 }
 
 pliant_result pliant_body_get_pose_target( const pliant_world* world, pliant_id body, int32_t cell, pliant_vec3* target )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) { return give( vectorOf( poseTarget( soft, cell ) ), target ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { give( vectorOf( poseTarget( soft, cell ) ), target ); } );
 }
 
 pliant_result pliant_body_set_pose_blend( pliant_world* world, pliant_id body, double blend )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) { return resultOf( setPoseBlend( soft, btScalar( blend ) ) ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { return setPoseBlend( soft, btScalar( blend ) ); } );
 }
 
 pliant_result pliant_body_get_pose_blend( const pliant_world* world, pliant_id body, double* blend )
 {
-	return withSoft( world, body, [&]( SoftBody& soft ) { return give( double( poseBlend( soft ) ), blend ); } );
+	return withSoft( world, body, [&]( SoftBody& soft ) { give( double( poseBlend( soft ) ), blend ); } );
 }
 
 pliant_result pliant_body_get_pose_force( const pliant_world* world, pliant_id body, pliant_vec3* force, pliant_vec3* torque )
 {
 	return withSoft( world, body, [&]( SoftBody& soft ) {
 		const PoseForce sum = poseForce( soft );
-		force ? void( *force = vectorOf( sum.force ) ) : void();
-		torque ? void( *torque = vectorOf( sum.torque ) ) : void();
-		return pliant_result( PLIANT_OK );
+		offer( vectorOf( sum.force ), force );
+		offer( vectorOf( sum.torque ), torque );
 	} );
 }

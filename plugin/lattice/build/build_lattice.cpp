@@ -2,6 +2,7 @@
 
 #include "lattice/build/build_lattice.h"
 
+#include "lattice/attempt.h"
 #include "lattice/build/contact_patches.h"
 #include "lattice/build/links.h"
 #include "lattice/build/sentence.h"
@@ -13,7 +14,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <new>
 #include <optional>
 
 namespace pliant {
@@ -30,45 +30,33 @@ public:
 
 	Status build()
 	{
-		if ( Status status = prepare(); !status.ok() )
-		{
-			return status;
-		}
+		prepare();
 		return m_settings.cellSize > 0.0f ? buildAt( double( m_settings.cellSize ) ) : buildWithTarget();
 	}
 
 private:
-	Status cancelled() const { return { ResultCode::Cancelled, "The progress callback asked to stop." }; }
+	void report( float fraction )
+	{
+		rejectIf( !m_progress.report( fraction ), ResultCode::Cancelled, "The progress callback asked to stop." );
+	}
 	bool mayHaveShell() const { return m_settings.shell != Shell::Never; }
 	Status buildWithTarget() { return m_isShellOnly ? buildShellNearTarget() : buildNearTarget(); }
 
-	Status prepare()
+	void prepare()
 	{
-		if ( Status status = weldMesh( m_view, m_settings, m_mesh, m_out.report ); !status.ok() )
-		{
-			return status;
-		}
-		if ( !m_progress.report( 0.1f ) )
-		{
-			return cancelled();
-		}
+		insist( weldMesh( m_view, m_settings, m_mesh, m_out.report ) );
+		report( 0.1f );
 		cleanTriangles( m_mesh, m_out.report );
 		m_area = areaOf( m_mesh, m_mesh.triangle );
 		m_drawnArea = m_area + areaOf( m_mesh, m_mesh.leftOut );
-		if ( m_drawnArea == 0.0 )
-		{
-			return { ResultCode::ZeroVolume, "No triangle of the mesh has an area." };
-		}
+		rejectIf( m_drawnArea == 0.0, ResultCode::ZeroVolume, "No triangle of the mesh has an area." );
 		if ( m_mesh.triangle.empty() && !mayHaveShell() )
 		{
-			return noInside( "Every triangle is degenerate or drawn from both sides" );
+			insist( noInside( "Every triangle is degenerate or drawn from both sides" ) );
 		}
 		const std::vector<RimEdge> rim = orientTriangles( m_mesh, m_out.report );
 		m_out.weldedVertex = std::move( m_mesh.weldedVertex );
-		if ( !m_progress.report( 0.2f ) )
-		{
-			return cancelled();
-		}
+		report( 0.2f );
 		m_isShellOnly = m_settings.shell == Shell::Always || m_mesh.triangle.empty();
 		if ( !m_isShellOnly )
 		{
@@ -78,11 +66,11 @@ private:
 			const bool isSheet = isThin && !m_field->isClosed() && !m_field->isSoup();
 			if ( isSheet && !mayHaveShell() )
 			{
-				return noInside( "The mesh is a flat sheet: closed along its rims it has no inside" );
+				insist( noInside( "The mesh is a flat sheet: closed along its rims it has no inside" ) );
 			}
 			m_isShellOnly = isSheet || ( mayHaveShell() && m_survey.opposed > kMaxOpposedFraction * m_survey.volume );
 		}
-		return m_progress.report( 0.3f ) ? Status{} : cancelled();
+		report( 0.3f );
 	}
 
 	static Status noInside( const std::string& reason )
@@ -152,7 +140,7 @@ private:
 		for ( int attempt = 1;; ++attempt )
 		{
 			const Status status = buildAt( double( float( d ) ) );
-			if ( m_isShellOnly && status.code != ResultCode::Cancelled )
+			if ( m_isShellOnly )
 			{
 				return buildShellNearTarget(); // no inside was found
 			}
@@ -211,38 +199,33 @@ private:
 				"; a cellSize of ", float( std::max( fits, 1.01 * d ) ), " m would fit." ) };
 	}
 
-	Status makeGridAt( double d, int samples, Grid& grid ) const
+	Grid makeGridAt( double d, int samples ) const
 	{
+		Grid grid;
 		const double farthest = std::max( m_mesh.low.cwiseAbs().maxCoeff(), m_mesh.high.cwiseAbs().maxCoeff() );
-		if ( d > kLargestDiagonal )
-		{
-			return { ResultCode::ExtentOutOfRange, "LatticeSettings::cellSize is above the 1e7 m that float arithmetic supports." };
-		}
+		rejectIf( d > kLargestDiagonal, ResultCode::ExtentOutOfRange,
+			"LatticeSettings::cellSize is above the 1e7 m that float arithmetic supports." );
 		if ( !( d > kRoundingFraction * farthest ) )
 		{
-			return { ResultCode::ExtentOutOfRange,
+			reject( ResultCode::ExtentOutOfRange,
 				sentence( "Cells of ", d, " m are below float rounding ", farthest,
-					" m from the origin; move the mesh nearer or raise LatticeSettings::cellSize." ) };
+					" m from the origin; move the mesh nearer or raise LatticeSettings::cellSize." ) );
 		}
 		if ( !makeGrid( m_mesh.low, m_mesh.high, d, samples, grid ) )
 		{
-			return { ResultCode::ExtentOutOfRange,
+			reject( ResultCode::ExtentOutOfRange,
 				sentence( "With cells of ", d, " m the mesh spans more than ", kMaxExtent,
-					" of them; raise LatticeSettings::cellSize to at least ", float( smallestSize() ), " m." ) };
+					" of them; raise LatticeSettings::cellSize to at least ", float( smallestSize() ), " m." ) );
 		}
-		return {};
+		return grid;
 	}
 
 	Status buildAt( double d )
 	{
-		Grid grid;
 		std::vector<CellDraft> cells;
 		m_out.lattice = Lattice{};
 		m_out.report.shellCells = m_out.report.samplesPerEdge = 0;
-		if ( Status status = makeGridAt( d, m_settings.samplesPerEdge, grid ); !status.ok() )
-		{
-			return status;
-		}
+		const Grid grid = makeGridAt( d, m_settings.samplesPerEdge );
 		if ( !m_isShellOnly )
 		{
 			Status status = fillInside( d, cells );
@@ -263,7 +246,8 @@ private:
 			return status;
 		}
 		writeCells( cells, grid );
-		return m_progress.report( 1.0f ) ? Status{} : cancelled();
+		report( 1.0f );
+		return {};
 	}
 
 	Status addShellCells( const Grid& grid, std::vector<CellDraft>& cells )
@@ -281,11 +265,7 @@ private:
 	{
 		for ( int samples = m_settings.samplesPerEdge; samples > 0; --samples )
 		{
-			Grid grid;
-			if ( Status status = makeGridAt( d, samples, grid ); !status.ok() )
-			{
-				return status;
-			}
+			const Grid grid = makeGridAt( d, samples );
 			const SnappedSurface surface( m_mesh, *m_field, grid );
 			const double crossings = surface.expectedCrossings();
 			if ( crossings > maxCrossings() && m_settings.cellSize > 0.0f && sizeForCells( m_settings.maxCells ) > d )
@@ -308,9 +288,10 @@ private:
 		VoxelizeOptions options{ tolerance, double( m_settings.maxCells ), m_settings.runner, m_progress };
 		Voxels voxels;
 		const ResultCode code = voxelize( surface, options, voxels );
+		rejectIf( code == ResultCode::Cancelled, code, "The progress callback asked to stop." );
 		if ( code != ResultCode::Ok )
 		{
-			return code == ResultCode::Cancelled ? cancelled() : tooManyCells( grid.cellSize );
+			return tooManyCells( grid.cellSize );
 		}
 		std::optional<Parts> parts( std::in_place, voxels, *m_field, m_settings.minimumFill, m_settings.runner );
 		if ( parts->cells().empty() )
@@ -396,18 +377,10 @@ Result<LatticeBuild> buildLattice( const MeshView& mesh, const LatticeSettings& 
 {
 	const auto start = std::chrono::steady_clock::now();
 	Result<LatticeBuild> result;
-	try
-	{
-		result.status = checkSettings( settings );
-		if ( result.ok() )
-		{
-			result.status = Builder( mesh, settings, result.value ).build();
-		}
-	}
-	catch ( const std::bad_alloc& )
-	{
-		result.status = outOfMemory();
-	}
+	result.status = withinMemory( kNoMemoryToBuild, [&]() {
+		const Status checked = checkSettings( settings );
+		return checked.ok() ? Builder( mesh, settings, result.value ).build() : checked;
+	} );
 	if ( !result.ok() )
 	{
 		result.value = LatticeBuild{};

@@ -20,9 +20,6 @@ struct LatticeBuild
 /// Returns an error for the first setting out of its range, or Ok. Rejects NaN.
 Status checkSettings( const LatticeSettings& settings );
 
-/// The status when memory runs out; needs no memory itself.
-Status outOfMemory() noexcept;
-
 /// Does not throw: errors are reported in the status.
 Result<LatticeBuild> buildLattice( const MeshView& mesh, const LatticeSettings& settings );
 

@@ -5,7 +5,7 @@
 
 #include "lattice/constants.h"
 #include "lattice/guarded_tasks.h"
-#include "lattice/neighbour_rows.h"
+#include "lattice/table.h"
 
 #include <algorithm>
 #include <array>
@@ -14,8 +14,8 @@ namespace pliant {
 
 namespace {
 
-using Rows = NeighbourRows;
-using Pair = CellPair;
+using Rows = Table;
+using Pair = NumberPair;
 
 class Linker
 {
@@ -32,9 +32,9 @@ public:
 
 	int link( Lattice& lattice )
 	{
-		m_face = makeNeighbourRows( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkFaces( i, out ); } ), m_count );
+		m_face = makeNeighbourTable( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkFaces( i, out ); } ), m_count );
 		sortDiagonalLinks( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkDiagonals( i, out ); } ) );
-		m_edge = makeNeighbourRows( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkEdges( i, out ); } ), m_count );
+		m_edge = makeNeighbourTable( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkEdges( i, out ); } ), m_count );
 		return writeLinks( lattice );
 	}
 
@@ -237,7 +237,7 @@ private:
 					}
 				} );
 			}
-			m_face = makeNeighbourRows( faces, m_count );
+			m_face = makeNeighbourTable( faces, m_count );
 		}
 	}
 

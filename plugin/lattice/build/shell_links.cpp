@@ -3,7 +3,7 @@
 #include "lattice/build/shell_links.h"
 
 #include "lattice/constants.h"
-#include "lattice/neighbour_rows.h"
+#include "lattice/table.h"
 
 #include <algorithm>
 
@@ -185,7 +185,7 @@ private:
 	/// Joins cells that are connected by links across two faces, or a face and an edge: as in links.cpp.
 	void joinAroundEdges()
 	{
-		const auto addOver = [this]( const NeighbourRows& near, const NeighbourRows& far, std::size_t kind ) {
+		const auto addOver = [this]( const Table& near, const Table& far, std::size_t kind ) {
 			for ( std::uint32_t i = 0; i < std::uint32_t( m_cells.size() ); ++i )
 			{
 				for ( const std::uint32_t* k = near.begin( i ); m_isShell[i] && k != near.end( i ); ++k )
@@ -200,27 +200,27 @@ private:
 				}
 			}
 		};
-		const NeighbourRows face = rowsOf( 1 );
+		const Table face = rowsOf( 1 );
 		addOver( face, face, 2 );
-		const NeighbourRows edge = rowsOf( 2 );
+		const Table edge = rowsOf( 2 );
 		addOver( face, edge, 3 );
 		addOver( edge, face, 3 );
 	}
 
-	NeighbourRows rowsOf( std::size_t kind )
+	Table rowsOf( std::size_t kind )
 	{
-		std::vector<CellPair>& pairs = m_pairs[kind - 1];
+		std::vector<NumberPair>& pairs = m_pairs[kind - 1];
 		std::sort( pairs.begin(), pairs.end() );
 		pairs.erase( std::unique( pairs.begin(), pairs.end() ), pairs.end() );
-		return makeNeighbourRows( { pairs }, m_cells.size() );
+		return makeNeighbourTable( { pairs }, m_cells.size() );
 	}
 
 	void write( Lattice& lattice )
 	{
 		rowsOf( 3 ); // removes duplicates
-		const NeighbourRows rows = makeNeighbourRows( { m_pairs[0], m_pairs[1], m_pairs[2] }, m_cells.size() );
+		const Table rows = makeNeighbourTable( { m_pairs[0], m_pairs[1], m_pairs[2] }, m_cells.size() );
 		lattice.linkStart = rows.start;
-		lattice.linkTo = rows.to;
+		lattice.linkTo = rows.entry;
 		lattice.isSurface.clear();
 		for ( std::size_t i = 0; i < m_cells.size(); ++i )
 		{
@@ -236,7 +236,7 @@ private:
 	std::vector<std::uint8_t> m_isShell;
 	std::vector<Eigen::Vector3i> m_at;
 	std::vector<std::uint64_t> m_keys;
-	std::array<std::vector<CellPair>, 3> m_pairs; ///< by kind
+	std::array<std::vector<NumberPair>, 3> m_pairs; ///< by kind
 };
 
 } // namespace

@@ -2,6 +2,7 @@
 
 #include "lattice/axis_neighbours.h"
 
+#include "lattice/table.h"
 #include "lattice/union_find.h"
 
 #include <Eigen/Geometry>
@@ -143,30 +144,17 @@ void joinFaces( const std::vector<Face>& faces, UnionFind& corners, UnionFind& s
 	}
 }
 
-/// Cells of each group of joined corners, as compressed rows.
-struct CornerCells
+/// Cells of each group of joined corners.
+Table cellsOfCorners( std::size_t count, UnionFind& corners )
 {
-	std::vector<std::uint32_t> start, cell;
-};
-
-CornerCells cellsOfCorners( std::size_t count, UnionFind& corners )
-{
-	CornerCells cells;
-	cells.start.assign( count + 1, 0 );
-	for ( std::uint32_t c = 0; c < std::uint32_t( count ); ++c )
-	{
-		++cells.start[corners.find( c ) + 1];
-	}
-	for ( std::size_t c = 0; c < count; ++c )
-	{
-		cells.start[c + 1] += cells.start[c];
-	}
-	std::vector<std::uint32_t> at( cells.start.begin(), cells.start.end() - 1 );
-	cells.cell.resize( count );
-	for ( std::uint32_t c = 0; c < std::uint32_t( count ); ++c )
-	{
-		cells.cell[at[corners.find( c )]++] = c / std::uint32_t( kCornersOfCell );
-	}
+	Table cells;
+	const auto forCorners = [&]( auto&& visit ) {
+		for ( std::uint32_t c = 0; c < std::uint32_t( count ); ++c )
+		{
+			visit( corners.find( c ), c / std::uint32_t( kCornersOfCell ) );
+		}
+	};
+	sortIntoRows( count, forCorners, cells.start, cells.entry );
 	return cells;
 }
 
@@ -210,7 +198,7 @@ CellBoundary findBoundary( const Lattice& lattice )
 	const std::vector<Face> faces = findFaces( lattice );
 	UnionFind surfaces( faces.size() );
 	joinFaces( faces, corners, surfaces );
-	const CornerCells cells = cellsOfCorners( count, corners );
+	const Table cells = cellsOfCorners( count, corners );
 
 	// A point is a corner on a surface.
 	CellBoundary boundary;
@@ -245,8 +233,7 @@ CellBoundary findBoundary( const Lattice& lattice )
 		{
 			boundary.restPosition.push_back( restPositionOf( lattice, use.corner ) );
 			boundary.surface.push_back( std::uint32_t( boundary.restVolume.size() - 1 ) );
-			boundary.cell.insert(
-				boundary.cell.end(), cells.cell.begin() + cells.start[use.corner], cells.cell.begin() + cells.start[use.corner + 1] );
+			boundary.cell.insert( boundary.cell.end(), cells.begin( use.corner ), cells.end( use.corner ) );
 			boundary.cellStart.push_back( std::uint32_t( boundary.cell.size() ) );
 		}
 		boundary.quads[use.face][use.index] = std::uint32_t( boundary.restPosition.size() - 1 );

@@ -2,6 +2,7 @@
 
 #include "lattice/mesh/weld.h"
 
+#include "lattice/table.h"
 #include "lattice/union_find.h"
 
 #include <algorithm>
@@ -10,30 +11,20 @@ namespace pliant {
 
 EdgeTable makeEdgeTable( const std::vector<Triangle>& triangles, std::size_t vertexCount )
 {
-	std::vector<std::uint32_t> row( vertexCount + 1, 0 );
-	for ( const Triangle& t : triangles )
-	{
-		for ( std::size_t k = 0; k < 3; ++k )
-		{
-			++row[std::min( t[k], t[( k + 1 ) % 3] ) + 1];
-		}
-	}
-	for ( std::size_t v = 0; v < vertexCount; ++v )
-	{
-		row[v + 1] += row[v];
-	}
 	EdgeTable table;
-	table.entry.resize( 3 * triangles.size() );
-	std::vector<std::uint32_t> next( row.begin(), row.end() - 1 );
-	for ( std::size_t t = 0; t < triangles.size(); ++t )
-	{
-		for ( std::size_t k = 0; k < 3; ++k )
+	std::vector<std::uint32_t> row;
+	const auto forEdges = [&triangles]( auto&& visit ) {
+		for ( std::size_t t = 0; t < triangles.size(); ++t )
 		{
-			const std::uint32_t a = triangles[t][k];
-			const std::uint32_t b = triangles[t][( k + 1 ) % 3];
-			table.entry[next[std::min( a, b )]++] = { std::min( a, b ), std::max( a, b ), std::uint32_t( t ), a < b };
+			for ( std::size_t k = 0; k < 3; ++k )
+			{
+				const std::uint32_t a = triangles[t][k];
+				const std::uint32_t b = triangles[t][( k + 1 ) % 3];
+				visit( std::min( a, b ), EdgeTable::Entry{ std::min( a, b ), std::max( a, b ), std::uint32_t( t ), a < b } );
+			}
 		}
-	}
+	};
+	sortIntoRows( vertexCount, forEdges, row, table.entry );
 	for ( std::size_t v = 0; v < vertexCount; ++v )
 	{
 		std::sort(
@@ -78,21 +69,15 @@ Triangle withLowestFirst( const Triangle& t )
 
 void sortTriangles( std::vector<Triangle>& triangles, std::size_t vertexCount )
 {
-	std::vector<std::uint32_t> row( vertexCount + 1, 0 );
-	for ( const Triangle& t : triangles )
-	{
-		++row[t[0] + 1];
-	}
-	for ( std::size_t v = 0; v < vertexCount; ++v )
-	{
-		row[v + 1] += row[v];
-	}
-	std::vector<Triangle> sorted( triangles.size() );
-	std::vector<std::uint32_t> next( row.begin(), row.end() - 1 );
-	for ( const Triangle& t : triangles )
-	{
-		sorted[next[t[0]]++] = t;
-	}
+	std::vector<std::uint32_t> row;
+	std::vector<Triangle> sorted;
+	const auto forTriangles = [&triangles]( auto&& visit ) {
+		for ( const Triangle& t : triangles )
+		{
+			visit( t[0], t );
+		}
+	};
+	sortIntoRows( vertexCount, forTriangles, row, sorted );
 	for ( std::size_t v = 0; v < vertexCount; ++v )
 	{
 		std::sort( sorted.begin() + row[v], sorted.begin() + row[v + 1], []( const Triangle& a, const Triangle& b ) {

@@ -2,6 +2,7 @@
 
 #include "lattice/mesh/weld.h"
 
+#include "lattice/attempt.h"
 #include "lattice/constants.h"
 #include "lattice/union_find.h"
 
@@ -13,60 +14,53 @@ namespace pliant {
 
 namespace {
 
-Status checkCounts( const MeshView& mesh, const LatticeSettings& settings )
+void checkCounts( const MeshView& mesh, const LatticeSettings& settings )
 {
-	if ( mesh.vertexCount == 0 || mesh.triangleCount == 0 )
-	{
-		return { ResultCode::EmptyMesh, "The mesh has no vertex or no triangle." };
-	}
-	if ( !mesh.positions || !mesh.indices || mesh.positionStride < 3 )
-	{
-		return { ResultCode::BadArgument, "The mesh needs positions, indices and a positionStride of at least 3." };
-	}
+	rejectIf( mesh.vertexCount == 0 || mesh.triangleCount == 0, ResultCode::EmptyMesh, "The mesh has no vertex or no triangle." );
+	rejectIf( !mesh.positions || !mesh.indices || mesh.positionStride < 3, ResultCode::BadArgument,
+		"The mesh needs positions, indices and a positionStride of at least 3." );
 	if ( mesh.triangleCount > std::size_t( settings.maxTriangles ) )
 	{
-		return { ResultCode::TooManyTriangles,
+		reject( ResultCode::TooManyTriangles,
 			"The mesh has " + std::to_string( mesh.triangleCount ) + " triangles; LatticeSettings::maxTriangles allows " +
-				std::to_string( settings.maxTriangles ) + "." };
+				std::to_string( settings.maxTriangles ) + "." );
 	}
 	// A triangle uses at most three vertices; far more vertices are an error and would waste memory.
 	if ( mesh.vertexCount > 3 * std::size_t( settings.maxTriangles ) )
 	{
-		return { ResultCode::TooManyTriangles,
+		reject( ResultCode::TooManyTriangles,
 			"The mesh has " + std::to_string( mesh.vertexCount ) +
-				" vertices, more than three for each of LatticeSettings::maxTriangles." };
+				" vertices, more than three for each of LatticeSettings::maxTriangles." );
 	}
-	return {};
 }
 
-Status checkNumbers( const MeshView& mesh )
+void checkNumbers( const MeshView& mesh )
 {
 	for ( std::size_t i = 0; i < mesh.vertexCount; ++i )
 	{
 		const float* p = mesh.positions + i * mesh.positionStride;
 		if ( !std::isfinite( p[0] ) || !std::isfinite( p[1] ) || !std::isfinite( p[2] ) )
 		{
-			return { ResultCode::NonFiniteVertex, "Vertex " + std::to_string( i ) + " has a coordinate that is NaN or infinite." };
+			reject( ResultCode::NonFiniteVertex, "Vertex " + std::to_string( i ) + " has a coordinate that is NaN or infinite." );
 		}
 	}
 	for ( std::size_t k = 0; mesh.tangents && k < 4 * mesh.vertexCount; ++k )
 	{
 		if ( !std::isfinite( mesh.tangents[k] ) )
 		{
-			return { ResultCode::NonFiniteVertex,
-				"The tangent of vertex " + std::to_string( k / 4 ) + " has a number that is NaN or infinite." };
+			reject( ResultCode::NonFiniteVertex,
+				"The tangent of vertex " + std::to_string( k / 4 ) + " has a number that is NaN or infinite." );
 		}
 	}
 	for ( std::size_t k = 0; k < 3 * mesh.triangleCount; ++k )
 	{
 		if ( mesh.indices[k] >= mesh.vertexCount )
 		{
-			return { ResultCode::IndexOutOfRange,
+			reject( ResultCode::IndexOutOfRange,
 				"Triangle " + std::to_string( k / 3 ) + " refers to vertex " + std::to_string( mesh.indices[k] ) + " of " +
-					std::to_string( mesh.vertexCount ) + "." };
+					std::to_string( mesh.vertexCount ) + "." );
 		}
 	}
-	return {};
 }
 
 Vec3d positionOf( const MeshView& mesh, std::size_t i )
@@ -75,7 +69,7 @@ Vec3d positionOf( const MeshView& mesh, std::size_t i )
 	return Vec3d( p[0], p[1], p[2] );
 }
 
-Status boundingBox( const MeshView& mesh, WeldedMesh& out )
+void boundingBox( const MeshView& mesh, WeldedMesh& out )
 {
 	out.low = out.high = positionOf( mesh, mesh.indices[0] );
 	for ( std::size_t k = 1; k < 3 * mesh.triangleCount; ++k )
@@ -87,22 +81,16 @@ Status boundingBox( const MeshView& mesh, WeldedMesh& out )
 	const double diagonal = ( out.high - out.low ).norm();
 	if ( diagonal > kLargestDiagonal )
 	{
-		return { ResultCode::ExtentOutOfRange,
-			"The mesh is " + std::to_string( diagonal ) + " m across, more than the 1e7 m that float arithmetic supports." };
+		reject( ResultCode::ExtentOutOfRange,
+			"The mesh is " + std::to_string( diagonal ) + " m across, more than the 1e7 m that float arithmetic supports." );
 	}
-	if ( diagonal == 0.0 )
-	{
-		return { ResultCode::ZeroVolume, "All triangles lie at one point: there is no inside." };
-	}
-	if ( diagonal < kSmallestDiagonal )
-	{
-		return { ResultCode::ExtentOutOfRange, "The mesh is less than 1e-7 m across, too small for float arithmetic." };
-	}
-	return {};
+	rejectIf( diagonal == 0.0, ResultCode::ZeroVolume, "All triangles lie at one point: there is no inside." );
+	rejectIf( diagonal < kSmallestDiagonal, ResultCode::ExtentOutOfRange,
+		"The mesh is less than 1e-7 m across, too small for float arithmetic." );
 }
 
 /// Rejects a surface so crumpled that no cell size can resolve its layers, before the expensive part begins.
-Status checkFolds( const MeshView& mesh, const WeldedMesh& box )
+void checkFolds( const MeshView& mesh, const WeldedMesh& box )
 {
 	double area = 0.0;
 	for ( std::size_t t = 0; t < mesh.triangleCount; ++t )
@@ -111,12 +99,8 @@ Status checkFolds( const MeshView& mesh, const WeldedMesh& box )
 		const Vec3d a = positionOf( mesh, corner[0] );
 		area += 0.5 * ( positionOf( mesh, corner[1] ) - a ).cross( positionOf( mesh, corner[2] ) - a ).norm();
 	}
-	if ( area > kMaxFolds * ( box.high - box.low ).squaredNorm() )
-	{
-		return { ResultCode::TooFolded,
-			"The surface is folded thousands of times into its bounding box: no cell size can separate its layers." };
-	}
-	return {};
+	rejectIf( area > kMaxFolds * ( box.high - box.low ).squaredNorm(), ResultCode::TooFolded,
+		"The surface is folded thousands of times into its bounding box: no cell size can separate its layers." );
 }
 
 /// A vertex and its bucket. Outliers that no triangle uses are clamped to the border buckets; welding still depends on distances.
@@ -276,19 +260,13 @@ private:
 
 Status weldMesh( const MeshView& mesh, const LatticeSettings& settings, WeldedMesh& out, BuildReport& report )
 {
-	if ( Status status = checkCounts( mesh, settings ); !status.ok() )
-	{
-		return status;
-	}
-	if ( Status status = checkNumbers( mesh ); !status.ok() )
-	{
-		return status;
-	}
-	if ( Status status = boundingBox( mesh, out ); !status.ok() )
-	{
-		return status;
-	}
-	if ( Status status = checkFolds( mesh, out ); !status.ok() )
+	Status status = attempt( [&]() {
+		checkCounts( mesh, settings );
+		checkNumbers( mesh );
+		boundingBox( mesh, out );
+		checkFolds( mesh, out );
+	} );
+	if ( !status.ok() )
 	{
 		return status;
 	}

@@ -1,5 +1,7 @@
 #include "matching/clusters/cluster_set.h"
 
+#include "lattice/table.h"
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -99,21 +101,16 @@ private:
 
 void fillCover( int nodes, ClusterSet& set )
 {
-	set.coverStart.assign( std::size_t( nodes ) + 1, 0 );
-	for ( std::uint32_t node : set.member )
-	{
-		++set.coverStart[node + 1];
-	}
-	std::partial_sum( set.coverStart.begin(), set.coverStart.end(), set.coverStart.begin() );
-	std::vector<std::uint32_t> next( set.coverStart.begin(), set.coverStart.end() - 1 );
-	set.cover.resize( set.member.size() );
-	for ( int r = 0; r < set.count(); ++r )
-	{
-		for ( std::uint32_t k = set.start[r]; k < set.start[r + 1]; ++k )
+	const auto forMembers = [&set]( auto&& visit ) {
+		for ( int r = 0; r < set.count(); ++r )
 		{
-			set.cover[next[set.member[k]]++] = std::uint32_t( r );
+			for ( std::uint32_t k = set.start[r]; k < set.start[r + 1]; ++k )
+			{
+				visit( set.member[k], std::uint32_t( r ) );
+			}
 		}
-	}
+	};
+	sortIntoRows( std::size_t( nodes ), forMembers, set.coverStart, set.cover );
 }
 
 } // namespace

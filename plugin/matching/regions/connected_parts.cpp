@@ -1,5 +1,6 @@
 #include "matching/regions/connected_parts.h"
 
+#include "lattice/table.h"
 #include "lattice/union_find.h"
 #include "matching/regions/region_members.h"
 
@@ -26,21 +27,13 @@ ConnectedParts findConnectedParts( const RegionTables& tables, const MatchView& 
 	{
 		return {};
 	}
-	parts.start.assign( std::size_t( found ) + 1, 0 );
-	for ( const std::uint32_t part : parts.of )
-	{
-		++parts.start[part + 1];
-	}
-	for ( std::size_t p = 0; p < found; ++p )
-	{
-		parts.start[p + 1] += parts.start[p];
-	}
-	parts.node.resize( count );
-	std::vector<std::uint32_t> next( parts.start.begin(), parts.start.end() - 1 );
-	for ( std::size_t i = 0; i < count; ++i )
-	{
-		parts.node[next[parts.of[i]]++] = std::uint32_t( i );
-	}
+	const auto forNodes = [&parts]( auto&& visit ) {
+		for ( std::uint32_t i = 0; i < std::uint32_t( parts.of.size() ); ++i )
+		{
+			visit( parts.of[i], i );
+		}
+	};
+	sortIntoRows( found, forNodes, parts.start, parts.node );
 	return parts;
 }
 

@@ -2,6 +2,7 @@
 
 #include "matching/step/coarse_to_fine.h"
 
+#include "lattice/table.h"
 #include "matching/regions/region_moments.h"
 
 #include <algorithm>
@@ -140,29 +141,24 @@ void CoarseToFine::buildLevel( Level& level, const std::vector<std::uint32_t>& p
 {
 	level.count = count;
 	level.padded = ( count + kLanes - 1 ) / kLanes * kLanes;
-	level.childStart.assign( std::size_t( count ) + 1, 0 );
-	for ( const std::uint32_t p : parentOfChild )
-	{
-		++level.childStart[p + 1];
-	}
-	level.regionStart.assign( std::size_t( count ) + 1, 0 );
-	for ( const auto& link : links )
-	{
-		++level.regionStart[link.first + 1];
-		level.region.push_back( link.second );
-	}
+	const auto forChildren = [&parentOfChild]( auto&& visit ) {
+		for ( std::uint32_t c = 0; c < std::uint32_t( parentOfChild.size() ); ++c )
+		{
+			visit( parentOfChild[c], c );
+		}
+	};
+	const auto forLinks = [&links]( auto&& visit ) {
+		for ( const auto& [block, member] : links )
+		{
+			visit( block, member );
+		}
+	};
+	sortIntoRows( std::size_t( count ), forChildren, level.childStart, level.child );
+	sortIntoRows( std::size_t( count ), forLinks, level.regionStart, level.region );
 	level.inverseCover.assign( level.padded, 0.0f );
 	for ( int i = 0; i < count; ++i )
 	{
-		level.inverseCover[i] = 1.0f / float( level.regionStart[i + 1] );
-		level.childStart[i + 1] += level.childStart[i];
-		level.regionStart[i + 1] += level.regionStart[i];
-	}
-	std::vector<std::uint32_t> next( level.childStart.begin(), level.childStart.end() - 1 );
-	level.child.resize( parentOfChild.size() );
-	for ( std::uint32_t c = 0; c < std::uint32_t( parentOfChild.size() ); ++c )
-	{
-		level.child[next[parentOfChild[c]]++] = c;
+		level.inverseCover[i] = 1.0f / float( level.regionStart[i + 1] - level.regionStart[i] );
 	}
 	for ( AlignedArray<float>* array : { &level.inverseMass, &level.weight, &level.eta, &level.pull } )
 	{

@@ -1,14 +1,12 @@
 #include "surface/crack_complex/cell_complex.h"
 
-#include "lattice/build/build_lattice.h"
+#include "lattice/attempt.h"
 #include "surface/crack_complex/complex_builder.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
-#include <new>
-#include <stdexcept>
 
 namespace pliant {
 
@@ -26,28 +24,13 @@ Result<std::shared_ptr<const CellComplex>> CellComplex::build(
 {
 	using Answer = Result<std::shared_ptr<const CellComplex>>;
 	const auto start = std::chrono::steady_clock::now();
-	if ( Status status = check( settings ); !status.ok() )
-	{
-		return Answer{ std::move( status ), nullptr };
-	}
-	try
-	{
+	return withinMemory( kNoMemoryToBuild, [&]() -> Answer {
+		insist( check( settings ) );
 		const auto made = std::make_shared<CellComplex>();
-		if ( Status status = buildComplex( mesh, lattice, skin, build, settings, *made ); !status.ok() )
-		{
-			return Answer{ std::move( status ), nullptr };
-		}
+		buildComplex( mesh, lattice, skin, build, settings, *made );
 		made->report.seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 		return Answer::success( made );
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
-	catch ( const std::length_error& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
+	} );
 }
 
 std::uint32_t CellComplex::faceBetween( std::uint32_t a, std::uint32_t b ) const
@@ -83,11 +66,6 @@ bool isTableOf( const Table& table, std::size_t rows, std::size_t numbers )
 	const bool isWhole = table.start.size() == rows + 1 && table.start.front() == 0 && table.start.back() == table.entry.size() &&
 		std::is_sorted( table.start.begin(), table.start.end() );
 	return isWhole && std::all_of( table.entry.begin(), table.entry.end(), [numbers]( std::uint32_t n ) { return n < numbers; } );
-}
-
-bool hasRow( const Table& table, std::uint32_t row, std::uint32_t wanted )
-{
-	return std::binary_search( table.begin( row ), table.end( row ), wanted );
 }
 
 /// Calls visit for each triangle that a cell draws, as points.
@@ -134,7 +112,7 @@ Status validate( const CellComplex& complex )
 		forTriangles( complex, cell, [&]( const std::array<std::uint32_t, 3>& corner ) {
 			for ( const std::uint32_t p : corner )
 			{
-				isKnown = isKnown && p < points && hasRow( complex.cellsOfPoint, p, cell );
+				isKnown = isKnown && p < points && complex.cellsOfPoint.has( p, cell );
 			}
 		} );
 		if ( !isKnown )

@@ -7,10 +7,10 @@
 // lattice's planes, bent by noise and cut exactly.
 
 #include "lattice/lattice.h"
+#include "lattice/table.h"
 #include "pliant/body_template.h"
 #include "pliant/crack.h"
 #include "surface/crack_complex/panels.h"
-#include "surface/crack_shapes/table.h"
 
 #include <array>
 #include <cstdint>

@@ -2,14 +2,15 @@
 
 #include "surface/crack_complex/complex_builder.h"
 
+#include "lattice/attempt.h"
 #include "lattice/constants.h"
 #include "lattice/inside/inside_field.h"
 #include "lattice/mesh/weld.h"
 #include "lattice/mesh/winding_number.h"
+#include "lattice/table.h"
 #include "surface/crack_complex/face_drawing.h"
 #include "surface/crack_complex/surface_pieces.h"
 #include "surface/crack_shapes/bent_chain.h"
-#include "surface/crack_shapes/table.h"
 #include "surface/skin/skinning.h"
 
 #include <algorithm>
@@ -28,14 +29,11 @@ public:
 		m_warp( double( settings.noiseAmplitude ), double( settings.noiseWavelength ), settings.noiseSeed )
 	{}
 
-	Status build( const SkinBinding& skin, const LatticeSettings& buildSettings )
+	void build( const SkinBinding& skin, const LatticeSettings& buildSettings )
 	{
 		m_out.settings = m_settings;
 		m_out.cellSize = m_lattice.cellSize;
-		if ( Status status = prepareMesh( buildSettings ); !status.ok() )
-		{
-			return status;
-		}
+		prepareMesh( buildSettings );
 		clip( buildSettings.shell == Shell::Always );
 		drawSurface();
 		numberPoints();
@@ -52,27 +50,20 @@ public:
 			m_out.bindStart.assign( m_out.pointCount() + 1, 0 );
 			m_out.boundPoints.start.assign( std::size_t( m_lattice.cellCount() ) + 1, 0 );
 		}
-		return {};
 	}
 
 private:
-	Status prepareMesh( const LatticeSettings& buildSettings )
+	void prepareMesh( const LatticeSettings& buildSettings )
 	{
 		BuildReport report;
-		if ( Status status = weldMesh( m_view, buildSettings, m_mesh, report ); !status.ok() )
-		{
-			return status;
-		}
+		insist( weldMesh( m_view, buildSettings, m_mesh, report ) );
 		m_weldedCount = m_mesh.position.size();
 		cleanTriangles( m_mesh, report );
 		const bool isShell = buildSettings.shell == Shell::Always;
-		if ( m_mesh.triangle.empty() && !isShell )
-		{
-			return { ResultCode::ZeroVolume, "Every triangle is degenerate or drawn from both sides: there is no inside." };
-		}
+		rejectIf( m_mesh.triangle.empty() && !isShell, ResultCode::ZeroVolume,
+			"Every triangle is degenerate or drawn from both sides: there is no inside." );
 		const std::vector<RimEdge> rim = orientTriangles( m_mesh, report );
 		m_field.emplace( m_mesh, isShell ? std::vector<RimEdge>{} : rim );
-		return {};
 	}
 
 	void clip( bool isShell )
@@ -411,10 +402,10 @@ private:
 
 } // namespace
 
-Status buildComplex( const MeshView& mesh, const Lattice& lattice, const SkinBinding& skin, const LatticeSettings& build,
+void buildComplex( const MeshView& mesh, const Lattice& lattice, const SkinBinding& skin, const LatticeSettings& build,
 	const CrackSettings& settings, CellComplex& out )
 {
-	return ComplexBuilder( mesh, lattice, settings, out ).build( skin, build );
+	ComplexBuilder( mesh, lattice, settings, out ).build( skin, build );
 }
 
 } // namespace pliant

@@ -6,8 +6,8 @@
 
 namespace pliant {
 
-/// May throw std::bad_alloc.
-Status buildComplex( const MeshView& mesh, const Lattice& lattice, const SkinBinding& skin, const LatticeSettings& build,
+/// Call it within `withinMemory` (lattice/attempt.h).
+void buildComplex( const MeshView& mesh, const Lattice& lattice, const SkinBinding& skin, const LatticeSettings& build,
 	const CrackSettings& settings, CellComplex& out );
 
 } // namespace pliant

@@ -6,9 +6,9 @@
 //
 // So the surface away from cracks looks as it does uncracked, and costs little more.
 
+#include "lattice/table.h"
 #include "pliant/mesh.h"
 #include "pliant/result.h"
-#include "surface/crack_shapes/table.h"
 
 #include <array>
 #include <cstdint>

@@ -1,5 +1,6 @@
 // Nodes that forces do not move: fixed, following a rigid body, driven by the game, and those of static and kinematic bodies.
 
+#include "lattice/attempt.h"
 #include "matching/constants.h"
 #include "world/bodies/placing.h"
 #include "world/step/soft_body_system.h"
@@ -24,35 +25,30 @@ const char* const kPinCalls[] = { "pinNode", "pinNodeToBody", "driveNode" }; // 
 
 Status SoftBody::pin( const PinRequest& request )
 {
-	if ( !m_impl->hasNode( request.node ) )
-	{
-		return refused( "pinNode", "there is no node of this number." ); // the others have looked
-	}
-	if ( Status status = m_impl->checkTime( kPinCalls[request.kind] ); !status.ok() )
-	{
-		return status;
-	}
-	Impl& impl = *m_impl;
-	Pin* pin = impl.findPin( request.node );
-	if ( !pin )
-	{
-		const auto slot = std::lower_bound(
-			impl.pins.begin(), impl.pins.end(), request.node, []( const Pin& p, int n ) { return p.node < n; } );
-		pin = &*impl.pins.insert( slot, Pin{} );
-	}
-	pin->node = request.node;
-	pin->kind = PinKind( request.kind );
-	pin->body = request.body;
-	pin->bodyIndex = request.body ? request.body->getWorldArrayIndex() : -1;
-	pin->bodyProxy = request.body ? request.body->getBroadphaseHandle()->getUid() : -1;
-	pin->point = request.point;
-	pin->hasTarget = pin->kind == PinKind::Driven;
-	impl.body->setPinned( request.node, true );
-	impl.mustDeform = true;
-	impl.body->nodes().v.set( request.node, Vec3::Zero() );
-	impl.system ? impl.system->equationsChanged( *this ) : void();
-	activate( true );
-	return {};
+	return attempt( [&]() {
+		rejectIf( !m_impl->hasNode( request.node ), "pinNode", "there is no node of this number." ); // the others have looked
+		insist( m_impl->checkTime( kPinCalls[request.kind] ) );
+		Impl& impl = *m_impl;
+		Pin* pin = impl.findPin( request.node );
+		if ( !pin )
+		{
+			const auto slot = std::lower_bound(
+				impl.pins.begin(), impl.pins.end(), request.node, []( const Pin& p, int n ) { return p.node < n; } );
+			pin = &*impl.pins.insert( slot, Pin{} );
+		}
+		pin->node = request.node;
+		pin->kind = PinKind( request.kind );
+		pin->body = request.body;
+		pin->bodyIndex = request.body ? request.body->getWorldArrayIndex() : -1;
+		pin->bodyProxy = request.body ? request.body->getBroadphaseHandle()->getUid() : -1;
+		pin->point = request.point;
+		pin->hasTarget = pin->kind == PinKind::Driven;
+		impl.body->setPinned( request.node, true );
+		impl.mustDeform = true;
+		impl.body->nodes().v.set( request.node, Vec3::Zero() );
+		impl.system ? impl.system->equationsChanged( *this ) : void();
+		activate( true );
+	} );
 }
 
 Status SoftBody::pinNode( int node )
@@ -64,43 +60,28 @@ Status SoftBody::pinNode( int node )
 // removed, so both bodies must be in the same world. If this body is in no world, the pin is checked again when the body is added.
 Status SoftBody::pinNodeToBody( int node, btRigidBody* body )
 {
-	if ( !body || !m_impl->hasNode( node ) )
-	{
-		return Status{ ResultCode::BadArgument, "pinNodeToBody needs a node and a rigid body." };
-	}
-	int index = body->getWorldArrayIndex();
-	if ( !body->getBroadphaseHandle() || index < 0 )
-	{
-		return Status{
-			ResultCode::BadArgument, "pinNodeToBody: the rigid body is in no world. Add it first; the pin goes when it is removed." };
-	}
-	if ( m_impl->system && !m_impl->system->holds( body, index ) )
-	{
-		return Status{ ResultCode::BadArgument, "pinNodeToBody: the rigid body is in another world than the soft body." };
-	}
-	if ( !isFinite( body->getWorldTransform() ) )
-	{
-		return Status{ ResultCode::BadArgument, "pinNodeToBody: the rigid body's transform is not finite." };
-	}
-	return pin( PinRequest{ node, int( PinKind::FollowsBody ), body, body->getWorldTransform().invXform( nodePosition( node ) ) } );
+	return attempt( [&]() {
+		rejectIf( !body || !m_impl->hasNode( node ), ResultCode::BadArgument, "pinNodeToBody needs a node and a rigid body." );
+		int index = body->getWorldArrayIndex();
+		rejectIf( !body->getBroadphaseHandle() || index < 0, "pinNodeToBody",
+			"the rigid body is in no world. Add it first; the pin goes when it is removed." );
+		rejectIf( m_impl->system && !m_impl->system->holds( body, index ), "pinNodeToBody",
+			"the rigid body is in another world than the soft body." );
+		rejectIf( !isFinite( body->getWorldTransform() ), "pinNodeToBody", "the rigid body's transform is not finite." );
+		return pin( PinRequest{ node, int( PinKind::FollowsBody ), body, body->getWorldTransform().invXform( nodePosition( node ) ) } );
+	} );
 }
 
 Status SoftBody::driveNode( int node, const btVector3& worldPosition )
 {
-	if ( !m_impl->hasNode( node ) )
-	{
-		return refused( "driveNode", "there is no node of this number." );
-	}
-	if ( Status status = checkVector( worldPosition, "driveNode", "the position" ); !status.ok() )
-	{
-		return status;
-	}
-	if ( ( toVec3d( worldPosition ) - m_impl->body->nodes().worldPosition( node ) ).norm() > m_impl->farthestDrive() )
-	{
-		return refused( "driveNode",
+	return attempt( [&]() {
+		rejectIf( !m_impl->hasNode( node ), "driveNode", "there is no node of this number." );
+		insist( checkVector( worldPosition, "driveNode", "the position" ) );
+		const double distance = ( toVec3d( worldPosition ) - m_impl->body->nodes().worldPosition( node ) ).norm();
+		rejectIf( distance > m_impl->farthestDrive(), "driveNode",
 			"the position is more than 100 times the body's size from the node; teleport the body, or move the node in steps." );
-	}
-	return pin( PinRequest{ node, int( PinKind::Driven ), nullptr, worldPosition } );
+		return pin( PinRequest{ node, int( PinKind::Driven ), nullptr, worldPosition } );
+	} );
 }
 
 double SoftBody::Impl::farthestDrive() const

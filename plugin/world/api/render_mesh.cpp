@@ -3,7 +3,7 @@
 #include "pliant/render/render_mesh.h"
 
 #include "body/levels/levels.h"
-#include "lattice/build/build_lattice.h"
+#include "lattice/attempt.h"
 #include "lattice/features.h"
 #include "lattice/mesh/weld.h"
 #include "surface/crack_complex/cell_complex.h"
@@ -12,8 +12,6 @@
 #include "world/step/soft_body_system.h"
 
 #include <mutex>
-#include <new>
-#include <stdexcept>
 
 namespace pliant {
 
@@ -65,22 +63,12 @@ RenderMesh::~RenderMesh() = default;
 Result<std::shared_ptr<const RenderMesh>> RenderMesh::bind( std::shared_ptr<const BodyTemplate> bodyTemplate, const MeshView& mesh )
 {
 	using Answer = Result<std::shared_ptr<const RenderMesh>>;
-	if ( Status status = requireFeature( Feature::Surface ); !status.ok() )
-	{
-		return Answer{ std::move( status ), nullptr };
-	}
-	if ( !bodyTemplate )
-	{
-		return Answer::failure( ResultCode::BadArgument, "RenderMesh::bind: the template must not be null." );
-	}
-	try
-	{
+	return withinMemory( kNoMemoryToBuild, [&]() -> Answer {
+		insist( requireFeature( Feature::Surface ) );
+		rejectIf( !bodyTemplate, "RenderMesh::bind", "the template must not be null." );
 		WeldedMesh welded;
 		BuildReport report;
-		if ( Status status = weldMesh( mesh, bodyTemplate->settings(), welded, report ); !status.ok() )
-		{
-			return Answer{ std::move( status ), nullptr };
-		}
+		insist( weldMesh( mesh, bodyTemplate->settings(), welded, report ) );
 		const std::shared_ptr<RenderMesh> made( new RenderMesh );
 		Data& data = *made->m_data;
 		for ( std::size_t i = 0; i < mesh.vertexCount; ++i )
@@ -98,15 +86,7 @@ Result<std::shared_ptr<const RenderMesh>> RenderMesh::bind( std::shared_ptr<cons
 			data.view(), bodyTemplate->lattice(), welded.weldedVertex, kind == Skinning::None ? Skinning::NearbyNodes : kind );
 		data.bodyTemplate = std::move( bodyTemplate );
 		return Answer::success( made );
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
-	catch ( const std::length_error& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
+	} );
 }
 
 int RenderMesh::vertexCount() const
@@ -193,20 +173,12 @@ RenderSkin::~RenderSkin() = default;
 Result<std::unique_ptr<RenderSkin>> RenderSkin::create( std::shared_ptr<const RenderMesh> mesh )
 {
 	using Answer = Result<std::unique_ptr<RenderSkin>>;
-	if ( !mesh )
-	{
-		return Answer::failure( ResultCode::BadArgument, "RenderSkin::create: the mesh must not be null." );
-	}
-	try
-	{
+	return withinMemory( kNoMemoryToBuild, [&]() -> Answer {
+		rejectIf( !mesh, "RenderSkin::create", "the mesh must not be null." );
 		std::unique_ptr<RenderSkin> made( new RenderSkin );
 		made->m_impl->mesh = std::move( mesh );
 		return Answer::success( std::move( made ) );
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Answer{ outOfMemory(), nullptr };
-	}
+	} );
 }
 
 SurfaceView RenderSkin::surface( const SoftBody& body )

@@ -1,6 +1,7 @@
 // The public functions of bodies that follow a pose.
 
 #include "pliant/game/skeleton.h"
+#include "lattice/attempt.h"
 #include "world/bodies/placing.h"
 #include "world/constants.h"
 #include "world/joints/pose_follower.h"
@@ -13,16 +14,17 @@ namespace pliant {
 
 namespace {
 
-Status checkSettings( const char* call, const PoseSettings& settings )
+void checkSettings( const char* call, const PoseSettings& settings )
 {
 	const bool isSound = settings.frequency > 0.0f && settings.dampingRatio >= 0.0f && settings.dampingRatio <= kMostPoseDamping;
-	return isSound
-		? Status{}
-		: Status{ ResultCode::BadSettings, std::string( call ) + ": the frequency must be above 0 and the damping ratio 0 to 10." };
+	if ( !isSound )
+	{
+		reject( ResultCode::BadSettings, std::string( call ) + ": the frequency must be above 0 and the damping ratio 0 to 10." );
+	}
 }
 
 /// Fills the data that does not depend on bones.
-Status paint( const char* call, const Lattice& lattice, const PoseSettings& settings, PoseModel& model )
+void paint( const char* call, const Lattice& lattice, const PoseSettings& settings, PoseModel& model )
 {
 	for ( std::size_t cell = 0; cell < lattice.fill.size(); ++cell )
 	{
@@ -31,8 +33,8 @@ Status paint( const char* call, const Lattice& lattice, const PoseSettings& sett
 		const PosePaint painted = settings.paint ? settings.paint( point.data(), settings.context ) : PosePaint{};
 		if ( !( painted.strength >= 0.0f && painted.strength <= 1.0f && painted.largestDistance > 0.0f ) )
 		{
-			return Status{
-				ResultCode::BadSettings, std::string( call ) + ": paint must return a strength of 0 to 1 and a largest distance above 0." };
+			reject(
+				ResultCode::BadSettings, std::string( call ) + ": paint must return a strength of 0 to 1 and a largest distance above 0." );
 		}
 		model.rest.push_back( at );
 		model.strength.push_back( painted.strength );
@@ -41,11 +43,10 @@ Status paint( const char* call, const Lattice& lattice, const PoseSettings& sett
 	}
 	model.frequency = 2.0 * EIGEN_PI * double( settings.frequency );
 	model.dampingRatio = double( settings.dampingRatio );
-	return {};
 }
 
 /// Reads the vertices' weights; refuses bad numbers, bones out of range, and weights with the sum 0.
-Status readWeights( const SkinWeights& given, std::vector<PoseModel::Weights>& vertices )
+void readWeights( const SkinWeights& given, std::vector<PoseModel::Weights>& vertices )
 {
 	for ( int v = 0; v < given.vertexCount; ++v )
 	{
@@ -55,28 +56,19 @@ Status readWeights( const SkinWeights& given, std::vector<PoseModel::Weights>& v
 		{
 			const std::size_t index = std::size_t( v ) * std::size_t( given.perVertex ) + std::size_t( k );
 			const float weight = given.weights[index];
-			if ( !( weight >= 0.0f ) || !std::isfinite( weight ) )
-			{
-				return refused( "followBones", "a weight is negative or no finite number." );
-			}
-			if ( weight > 0.0f && ( given.bones[index] < 0 || given.bones[index] >= given.boneCount ) )
-			{
-				return refused( "followBones", "there is no bone of a number that has a weight." );
-			}
+			rejectIf( !( weight >= 0.0f ) || !std::isfinite( weight ), "followBones", "a weight is negative or no finite number." );
+			rejectIf( weight > 0.0f && ( given.bones[index] < 0 || given.bones[index] >= given.boneCount ), "followBones",
+				"there is no bone of a number that has a weight." );
 			own.bone[std::size_t( k )] = weight > 0.0f ? given.bones[index] : 0;
 			own.weight[std::size_t( k )] = weight;
 			sum += double( weight );
 		}
-		if ( !( sum > 0.0 ) )
-		{
-			return refused( "followBones", "a vertex has no weight above 0." );
-		}
+		rejectIf( !( sum > 0.0 ), "followBones", "a vertex has no weight above 0." );
 		for ( float& weight : own.weight )
 		{
 			weight = float( double( weight ) / sum );
 		}
 	}
-	return {};
 }
 
 void follow( SoftBody& body, PoseModel model )
@@ -87,14 +79,11 @@ void follow( SoftBody& body, PoseModel model )
 	impl.body->pull().clear();
 }
 
-Status give( const char* call, SoftBody& body, std::vector<Vec3d> targets, bool jumps )
+void give( const char* call, SoftBody& body, std::vector<Vec3d> targets, bool jumps )
 {
 	for ( const Vec3d& target : targets )
 	{
-		if ( !( target.cwiseAbs().maxCoeff() <= double( kFarthestPosition ) ) )
-		{
-			return refused( call, "a cell would be further out than 1e9 m." );
-		}
+		rejectIf( !( target.cwiseAbs().maxCoeff() <= double( kFarthestPosition ) ), call, "a cell would be further out than 1e9 m." );
 	}
 	PoseFollower& follower = *body.impl().follower;
 	const bool isNew = !follower.hasPose || targets != follower.target;
@@ -103,58 +92,42 @@ Status give( const char* call, SoftBody& body, std::vector<Vec3d> targets, bool 
 	{
 		body.activate();
 	}
-	return {};
 }
 
 } // namespace
 
 Status followBones( SoftBody& body, const SkinWeights& weights, const PoseSettings& settings )
 {
-	if ( Status status = body.impl().checkTime( "followBones" ); !status.ok() )
-	{
-		return status;
-	}
-	const BodyTemplate& shape = body.bodyTemplate();
-	const SkinBinding& skin = shape.skin();
-	if ( Status status = checkSettings( "followBones", settings ); !status.ok() )
-	{
-		return status;
-	}
-	if ( skin.start.empty() || shape.vertexCount() == 0 )
-	{
-		return refused( "followBones", "the body's template has no skin (LatticeSettings::skinning)." );
-	}
-	if ( !weights.bones || !weights.weights || weights.perVertex < 1 || weights.perVertex > PoseModel::kMostBones ||
-		weights.boneCount < 1 || weights.vertexCount != shape.vertexCount() )
-	{
-		return refused( "followBones", "it needs bones and weights, 1 to 4 a vertex, for as many vertices as the template has." );
-	}
-	PoseModel model;
-	std::vector<PoseModel::Weights> vertices;
-	Status status = readWeights( weights, vertices );
-	status = status.ok() ? paint( "followBones", shape.lattice(), settings, model ) : status;
-	if ( !status.ok() )
-	{
-		return status;
-	}
-	model.boneCount = weights.boneCount;
-	model.weights = weightsOfCells(
-		shape.lattice(), weights.boneCount, int( skin.start.size() ) - 1, skin.start, skin.node, skin.weight, vertices );
-	follow( body, std::move( model ) );
-	return {};
+	return attempt( [&]() {
+		insist( body.impl().checkTime( "followBones" ) );
+		const BodyTemplate& shape = body.bodyTemplate();
+		const SkinBinding& skin = shape.skin();
+		checkSettings( "followBones", settings );
+		rejectIf(
+			skin.start.empty() || shape.vertexCount() == 0, "followBones", "the body's template has no skin (LatticeSettings::skinning)." );
+		rejectIf( !weights.bones || !weights.weights || weights.perVertex < 1 || weights.perVertex > PoseModel::kMostBones ||
+				weights.boneCount < 1 || weights.vertexCount != shape.vertexCount(),
+			"followBones", "it needs bones and weights, 1 to 4 a vertex, for as many vertices as the template has." );
+		PoseModel model;
+		std::vector<PoseModel::Weights> vertices;
+		readWeights( weights, vertices );
+		paint( "followBones", shape.lattice(), settings, model );
+		model.boneCount = weights.boneCount;
+		model.weights = weightsOfCells(
+			shape.lattice(), weights.boneCount, int( skin.start.size() ) - 1, skin.start, skin.node, skin.weight, vertices );
+		follow( body, std::move( model ) );
+	} );
 }
 
 Status followTargets( SoftBody& body, const PoseSettings& settings )
 {
-	PoseModel model;
-	Status status = body.impl().checkTime( "followTargets" );
-	status = status.ok() ? checkSettings( "followTargets", settings ) : status;
-	status = status.ok() ? paint( "followTargets", body.bodyTemplate().lattice(), settings, model ) : status;
-	if ( status.ok() )
-	{
+	return attempt( [&]() {
+		insist( body.impl().checkTime( "followTargets" ) );
+		checkSettings( "followTargets", settings );
+		PoseModel model;
+		paint( "followTargets", body.bodyTemplate().lattice(), settings, model );
 		follow( body, std::move( model ) );
-	}
-	return status;
+	} );
 }
 
 void stopFollowing( SoftBody& body )
@@ -174,68 +147,50 @@ bool isFollowing( const SoftBody& body )
 
 Status setPose( SoftBody& body, const btTransform* bones, int count, bool jumps )
 {
-	if ( Status status = body.impl().checkTime( "setPose" ); !status.ok() )
-	{
-		return status;
-	}
-	const PoseFollower* const follower = body.impl().follower.get();
-	if ( !follower || follower->model->boneCount == 0 )
-	{
-		return refused( "setPose", "the body follows no bones (followBones)." );
-	}
-	if ( !bones || count != follower->model->boneCount )
-	{
-		return refused( "setPose", "it needs a transform for each bone that followBones was told of." );
-	}
-	for ( int k = 0; k < count; ++k )
-	{
-		if ( !isFinite( bones[k] ) )
+	return attempt( [&]() {
+		insist( body.impl().checkTime( "setPose" ) );
+		const PoseFollower* const follower = body.impl().follower.get();
+		rejectIf( !follower || follower->model->boneCount == 0, "setPose", "the body follows no bones (followBones)." );
+		rejectIf(
+			!bones || count != follower->model->boneCount, "setPose", "it needs a transform for each bone that followBones was told of." );
+		for ( int k = 0; k < count; ++k )
 		{
-			return refused( "setPose", "a transform is not finite." );
+			rejectIf( !isFinite( bones[k] ), "setPose", "a transform is not finite." );
 		}
-	}
-	const PoseModel& model = *follower->model;
-	std::vector<Vec3d> targets( model.rest.size(), Vec3d::Zero() );
-	for ( std::size_t cell = 0; cell < targets.size(); ++cell )
-	{
-		for ( std::size_t k = 0; k < PoseModel::kMostBones; ++k )
+		const PoseModel& model = *follower->model;
+		std::vector<Vec3d> targets( model.rest.size(), Vec3d::Zero() );
+		for ( std::size_t cell = 0; cell < targets.size(); ++cell )
 		{
-			const float weight = model.weights[cell].weight[k];
-			if ( weight > 0.0f )
+			for ( std::size_t k = 0; k < PoseModel::kMostBones; ++k )
 			{
-				const btTransform& bone = bones[model.weights[cell].bone[k]];
-				targets[cell] += double( weight ) * ( toMatrix3d( bone.getBasis() ) * model.rest[cell] + toVec3d( bone.getOrigin() ) );
+				const float weight = model.weights[cell].weight[k];
+				if ( weight > 0.0f )
+				{
+					const btTransform& bone = bones[model.weights[cell].bone[k]];
+					targets[cell] += double( weight ) * ( toMatrix3d( bone.getBasis() ) * model.rest[cell] + toVec3d( bone.getOrigin() ) );
+				}
 			}
 		}
-	}
-	return give( "setPose", body, std::move( targets ), jumps );
+		give( "setPose", body, std::move( targets ), jumps );
+	} );
 }
 
 Status setTargets( SoftBody& body, const btVector3* positions, int count, bool jumps )
 {
-	if ( Status status = body.impl().checkTime( "setTargets" ); !status.ok() )
-	{
-		return status;
-	}
-	const PoseFollower* const follower = body.impl().follower.get();
-	if ( !follower || follower->model->boneCount > 0 )
-	{
-		return refused( "setTargets", "the body follows no targets (followTargets)." );
-	}
-	if ( !positions || count != int( follower->model->rest.size() ) )
-	{
-		return refused( "setTargets", "it needs a position for each cell of the template." );
-	}
-	std::vector<Vec3d> targets;
-	for ( int cell = 0; cell < count; ++cell )
-	{
-		if ( !isFinite( positions[cell] ) )
+	return attempt( [&]() {
+		insist( body.impl().checkTime( "setTargets" ) );
+		const PoseFollower* const follower = body.impl().follower.get();
+		rejectIf( !follower || follower->model->boneCount > 0, "setTargets", "the body follows no targets (followTargets)." );
+		rejectIf( !positions || count != int( follower->model->rest.size() ), "setTargets",
+			"it needs a position for each cell of the template." );
+		std::vector<Vec3d> targets;
+		for ( int cell = 0; cell < count; ++cell )
 		{
-			return refused( "setTargets", "a position is not finite." );
+			rejectIf( !isFinite( positions[cell] ), "setTargets", "a position is not finite." );
+			targets.push_back( toVec3d( positions[cell] ) );
 		}
-		targets.push_back( toVec3d( positions[cell] ) );
-	}
-	return give( "setTargets", body, std::move( targets ), jumps );
+		give( "setTargets", body, std::move( targets ), jumps );
+	} );
 }
 
 btVector3 poseTarget( const SoftBody& body, int cell )
@@ -247,25 +202,17 @@ btVector3 poseTarget( const SoftBody& body, int cell )
 
 Status setPoseBlend( SoftBody& body, btScalar blend )
 {
-	if ( Status status = body.impl().checkTime( "setPoseBlend" ); !status.ok() )
-	{
-		return status;
-	}
-	PoseFollower* const follower = body.impl().follower.get();
-	if ( !follower )
-	{
-		return refused( "setPoseBlend", "the body follows no pose." );
-	}
-	if ( !( blend >= 0 && blend <= 1 ) )
-	{
-		return refused( "setPoseBlend", "the blend must be 0 to 1." );
-	}
-	if ( follower->blend != double( blend ) )
-	{
-		follower->blend = double( blend );
-		body.activate();
-	}
-	return {};
+	return attempt( [&]() {
+		insist( body.impl().checkTime( "setPoseBlend" ) );
+		PoseFollower* const follower = body.impl().follower.get();
+		rejectIf( !follower, "setPoseBlend", "the body follows no pose." );
+		rejectIf( !( blend >= 0 && blend <= 1 ), "setPoseBlend", "the blend must be 0 to 1." );
+		if ( follower->blend != double( blend ) )
+		{
+			follower->blend = double( blend );
+			body.activate();
+		}
+	} );
 }
 
 btScalar poseBlend( const SoftBody& body )

@@ -1,11 +1,11 @@
 #include "pliant/soft_body.h"
 
+#include "lattice/attempt.h"
 #include "world/bodies/placing.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"
 
 #include <cassert>
-#include <new>
 
 namespace pliant {
 
@@ -51,34 +51,19 @@ SoftBody::SoftBody() = default;
 SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform, const Material& material,
 	const Adaptivity& adaptivity, const StiffnessField& stiffness )
 {
-	if ( !bodyTemplate )
-	{
-		return SoftBodyResult::failure( ResultCode::BadArgument, "SoftBody::create needs a template." );
-	}
-	if ( Status sound = checkTransform( transform, "SoftBody::create" ); !sound.ok() )
-	{
-		return SoftBodyResult{ std::move( sound ), nullptr };
-	}
-	try
-	{
-		Result<std::unique_ptr<Body>> made = Body::create( bodyTemplate->sharedLattice(), material,
-			placementOf( bodyTemplate->lattice(), transform ), bodyTemplate->cache(), adaptivity, stiffness );
-		if ( !made )
-		{
-			return SoftBodyResult{ std::move( made.status ), nullptr };
-		}
+	return withinMemory( "Not enough memory for a soft body of this many cells.", [&]() -> SoftBodyResult {
+		rejectIf( !bodyTemplate, ResultCode::BadArgument, "SoftBody::create needs a template." );
+		insist( checkTransform( transform, "SoftBody::create" ) );
+		std::unique_ptr<Body> made = insist( Body::create( bodyTemplate->sharedLattice(), material,
+			placementOf( bodyTemplate->lattice(), transform ), bodyTemplate->cache(), adaptivity, stiffness ) );
 		std::unique_ptr<SoftBody> soft( new SoftBody );
 		soft->m_impl = std::make_unique<Impl>();
 		Impl& impl = *soft->m_impl;
 		impl.bodyTemplate = std::move( bodyTemplate );
-		impl.body = std::move( made.value );
+		impl.body = std::move( made );
 		impl.finish( *soft );
 		return SoftBodyResult::success( std::move( soft ) );
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return SoftBodyResult::failure( ResultCode::OutOfMemory, "Not enough memory for a soft body of this many cells." );
-	}
+	} );
 }
 
 SoftBody::~SoftBody()

@@ -1,6 +1,7 @@
 // Calls of the game on a body: velocities, forces, impulses, gravity, positions. Each is refused if a number is bad, and then changes
 // nothing.
 
+#include "lattice/attempt.h"
 #include "matching/constants.h"
 #include "world/bodies/placing.h"
 #include "world/constants.h"
@@ -20,20 +21,23 @@ const char* const kTooFast = "a node would be faster than 1e5 m/s.";
 constexpr btScalar kMostAcceleration = btScalar( kSpeedLimit ) / kNominalStep;
 
 /// Forces and gravity.
-Status checkAcceleration( const btVector3& acceleration, const char* call )
+void checkAcceleration( const btVector3& acceleration, const char* call )
 {
-	if ( !isFinite( acceleration ) )
-	{
-		return refused( call, kNotFinite );
-	}
+	rejectIf( !isFinite( acceleration ), call, kNotFinite );
 	const bool isTooMuch = std::max( { btFabs( acceleration.x() ), btFabs( acceleration.y() ), btFabs( acceleration.z() ) } ) >
 		kMostAcceleration;
-	return isTooMuch ? refused( call, "with what acts already it would bring a node to 1e5 m/s within a sixtieth of a second." ) : Status{};
+	rejectIf( isTooMuch, call, "with what acts already it would bring a node to 1e5 m/s within a sixtieth of a second." );
 }
 
-bool isTooFast( const Vec3& velocity )
+/// `isNumber`: whether all numbers were finite that led to the velocity.
+void checkVelocity( const Vec3& velocity, const char* call, bool isNumber )
 {
-	return !( velocity.array().abs() <= kSpeedLimit ).all(); // not a number counts
+	rejectIf( !( velocity.array().abs() <= kSpeedLimit ).all(), call, isNumber ? kTooFast : kNotFinite );
+}
+
+bool isFar( const btVector3& position )
+{
+	return std::max( { btFabs( position.x() ), btFabs( position.y() ), btFabs( position.z() ) } ) > kFarthestPosition;
 }
 
 } // namespace
@@ -59,8 +63,7 @@ Status checkTransform( const btTransform& transform, const char* call )
 	{
 		return refused( call, "the transform holds a number that is not finite." );
 	}
-	const btVector3& to = transform.getOrigin();
-	if ( std::max( { btFabs( to.x() ), btFabs( to.y() ), btFabs( to.z() ) } ) > kFarthestPosition )
+	if ( isFar( transform.getOrigin() ) )
 	{
 		return refused( call, "the transform leads further out than 1e9 m." );
 	}
@@ -83,76 +86,56 @@ void SoftBody::Impl::followVelocities()
 
 Status SoftBody::setLinearVelocity( const btVector3& velocity )
 {
-	if ( Status status = m_impl->checkTime( "setLinearVelocity" ); !status.ok() )
-	{
-		return status;
-	}
-	const Status status = setVelocities( velocity, btVector3( 0, 0, 0 ) );
-	const char* const why = isFinite( velocity ) ? kTooFast : kNotFinite;
-	return status.ok() ? Status{} : refused( "setLinearVelocity", why );
+	return attempt( [&]() {
+		insist( m_impl->checkTime( "setLinearVelocity" ) );
+		const bool isSet = setVelocities( velocity, btVector3( 0, 0, 0 ) ).ok();
+		rejectIf( !isSet, "setLinearVelocity", isFinite( velocity ) ? kTooFast : kNotFinite );
+	} );
 }
 
 Status SoftBody::setVelocities( const btVector3& linear, const btVector3& angular )
 {
-	if ( Status status = m_impl->checkTime( "setVelocities" ); !status.ok() )
-	{
-		return status;
-	}
-	NodeState& nodes = m_impl->body->nodes();
-	const Vec3d centre = m_impl->body->sums().centre;
-	const auto velocityOf = [&]( int node ) {
-		const Vec3d arm = nodes.x.get( node ).cast<double>() - centre;
-		return Vec3( ( toVec3d( linear ) + toVec3d( angular ).cross( arm ) ).cast<float>() );
-	};
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		if ( isTooFast( velocityOf( i ) ) )
+	return attempt( [&]() {
+		insist( m_impl->checkTime( "setVelocities" ) );
+		NodeState& nodes = m_impl->body->nodes();
+		const Vec3d centre = m_impl->body->sums().centre;
+		const auto velocityOf = [&]( int node ) {
+			const Vec3d arm = nodes.x.get( node ).cast<double>() - centre;
+			return Vec3( ( toVec3d( linear ) + toVec3d( angular ).cross( arm ) ).cast<float>() );
+		};
+		for ( int i = 0; i < nodes.count; ++i )
 		{
-			return isFinite( linear ) && isFinite( angular ) ? refused( "setVelocities", kTooFast )
-															 : refused( "setVelocities", kNotFinite );
+			checkVelocity( velocityOf( i ), "setVelocities", isFinite( linear ) && isFinite( angular ) );
 		}
-	}
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		nodes.v.set( i, velocityOf( i ) );
-	}
-	m_impl->followVelocities();
-	activate( true );
-	return {};
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			nodes.v.set( i, velocityOf( i ) );
+		}
+		m_impl->followVelocities();
+		activate( true );
+	} );
 }
 
 Status SoftBody::applyCentralForce( const btVector3& force )
 {
-	if ( Status status = m_impl->checkTime( "applyCentralForce" ); !status.ok() )
-	{
-		return status;
-	}
-	const btVector3 sum = m_impl->centralForce + force;
-	Status status = checkAcceleration( sum / mass(), "applyCentralForce" );
-	if ( status.ok() )
-	{
+	return attempt( [&]() {
+		insist( m_impl->checkTime( "applyCentralForce" ) );
+		const btVector3 sum = m_impl->centralForce + force;
+		checkAcceleration( sum / mass(), "applyCentralForce" );
 		m_impl->centralForce = sum;
 		activate( true );
-	}
-	return status;
+	} );
 }
 
 Status SoftBody::applyForce( const btVector3& force, int node )
 {
-	if ( Status status = m_impl->checkTime( "applyForce" ); !status.ok() )
-	{
-		return status;
-	}
-	if ( !m_impl->hasNode( node ) )
-	{
-		return refused( "applyForce", kNoSuchNode );
-	}
-	NodeState& nodes = m_impl->body->nodes();
-	const bool isFirst = nodes.force.x.empty();
-	const Vec3 sum = ( isFirst ? Vec3( Vec3::Zero() ) : nodes.force.get( node ) ) + toVec3( force );
-	Status status = checkAcceleration( toBt( sum.cast<double>() / double( nodes.mass[node] ) ), "applyForce" );
-	if ( status.ok() )
-	{
+	return attempt( [&]() {
+		insist( m_impl->checkTime( "applyForce" ) );
+		rejectIf( !m_impl->hasNode( node ), "applyForce", kNoSuchNode );
+		NodeState& nodes = m_impl->body->nodes();
+		const bool isFirst = nodes.force.x.empty();
+		const Vec3 sum = ( isFirst ? Vec3( Vec3::Zero() ) : nodes.force.get( node ) ) + toVec3( force );
+		checkAcceleration( toBt( sum.cast<double>() / double( nodes.mass[node] ) ), "applyForce" );
 		if ( isFirst )
 		{
 			nodes.force.resize( nodes.padded );
@@ -160,71 +143,52 @@ Status SoftBody::applyForce( const btVector3& force, int node )
 		nodes.force.set( node, sum );
 		m_impl->hasNodeForces = true;
 		activate( true );
-	}
-	return status;
+	} );
 }
 
 Status SoftBody::applyCentralImpulse( const btVector3& impulse )
 {
-	if ( Status status = m_impl->checkTime( "applyCentralImpulse" ); !status.ok() )
-	{
-		return status;
-	}
-	NodeState& nodes = m_impl->body->nodes();
-	const Vec3 change = toVec3( impulse / mass() );
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		if ( isTooFast( nodes.v.get( i ) + nodes.freedom[i] * change ) )
+	return attempt( [&]() {
+		insist( m_impl->checkTime( "applyCentralImpulse" ) );
+		NodeState& nodes = m_impl->body->nodes();
+		const Vec3 change = toVec3( impulse / mass() );
+		for ( int i = 0; i < nodes.count; ++i )
 		{
-			return isFinite( impulse ) ? refused( "applyCentralImpulse", kTooFast ) : refused( "applyCentralImpulse", kNotFinite );
+			checkVelocity( nodes.v.get( i ) + nodes.freedom[i] * change, "applyCentralImpulse", isFinite( impulse ) );
 		}
-	}
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		nodes.v.set( i, nodes.v.get( i ) + nodes.freedom[i] * change );
-	}
-	m_impl->followVelocities();
-	activate( true );
-	return {};
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			nodes.v.set( i, nodes.v.get( i ) + nodes.freedom[i] * change );
+		}
+		m_impl->followVelocities();
+		activate( true );
+	} );
 }
 
 Status SoftBody::applyImpulse( const btVector3& impulse, int node )
 {
-	if ( Status status = m_impl->checkTime( "applyImpulse" ); !status.ok() )
-	{
-		return status;
-	}
-	if ( !m_impl->hasNode( node ) )
-	{
-		return refused( "applyImpulse", kNoSuchNode );
-	}
-	NodeState& nodes = m_impl->body->nodes();
-	const Vec3 velocity = nodes.v.get( node ) + ( nodes.freedom[node] / nodes.mass[node] ) * toVec3( impulse );
-	if ( isTooFast( velocity ) )
-	{
-		return isFinite( impulse ) ? refused( "applyImpulse", kTooFast ) : refused( "applyImpulse", kNotFinite );
-	}
-	nodes.v.set( node, velocity );
-	m_impl->body->followVelocities();
-	m_impl->mustDeform = m_impl->mustDeform || m_impl->rigidProxy;
-	activate( true );
-	return {};
+	return attempt( [&]() {
+		insist( m_impl->checkTime( "applyImpulse" ) );
+		rejectIf( !m_impl->hasNode( node ), "applyImpulse", kNoSuchNode );
+		NodeState& nodes = m_impl->body->nodes();
+		const Vec3 velocity = nodes.v.get( node ) + ( nodes.freedom[node] / nodes.mass[node] ) * toVec3( impulse );
+		checkVelocity( velocity, "applyImpulse", isFinite( impulse ) );
+		nodes.v.set( node, velocity );
+		m_impl->body->followVelocities();
+		m_impl->mustDeform = m_impl->mustDeform || m_impl->rigidProxy;
+		activate( true );
+	} );
 }
 
 Status SoftBody::setGravity( const btVector3& gravity )
 {
-	if ( Status status = m_impl->checkTime( "setGravity" ); !status.ok() )
-	{
-		return status;
-	}
-	Status status = checkAcceleration( gravity, "setGravity" );
-	if ( status.ok() )
-	{
+	return attempt( [&]() {
+		insist( m_impl->checkTime( "setGravity" ) );
+		checkAcceleration( gravity, "setGravity" );
 		m_impl->hasOwnGravity = true;
 		m_impl->gravity = gravity;
 		activate( true );
-	}
-	return status;
+	} );
 }
 
 void SoftBody::clearGravity()
@@ -271,44 +235,30 @@ void SoftBody::hasMoved()
 
 Status SoftBody::teleport( const btTransform& by )
 {
-	if ( Status status = m_impl->checkTime( "teleport" ); !status.ok() )
-	{
-		return status;
-	}
-	if ( Status status = checkTransform( by, "teleport" ); !status.ok() )
-	{
-		return status;
-	}
-	const btVector3 to = by * massCentre();
-	if ( std::max( { btFabs( to.x() ), btFabs( to.y() ), btFabs( to.z() ) } ) > kFarthestPosition )
-	{
-		return refused( "teleport", "the body would be further out than 1e9 m." );
-	}
-	m_impl->body->teleport( Placement{ rotationOf( by ), toVec3d( by.getOrigin() ) } );
-	hasMoved();
-	return {};
+	return attempt( [&]() {
+		insist( m_impl->checkTime( "teleport" ) );
+		insist( checkTransform( by, "teleport" ) );
+		rejectIf( isFar( by * massCentre() ), "teleport", "the body would be further out than 1e9 m." );
+		m_impl->body->teleport( Placement{ rotationOf( by ), toVec3d( by.getOrigin() ) } );
+		hasMoved();
+	} );
 }
 
 Status SoftBody::reset( const btTransform& transform )
 {
-	if ( Status status = m_impl->checkTime( "reset" ); !status.ok() )
-	{
-		return status;
-	}
-	if ( Status status = checkTransform( transform, "reset" ); !status.ok() )
-	{
-		return status;
-	}
-	m_impl->body->place( placementOf( m_impl->body->lattice(), transform ) );
-	if ( !m_impl->isHealthy )
-	{
-		forceActivationState( m_impl->stateBefore ); // quarantine had taken it out of the simulation
-	}
-	m_impl->isHealthy = true;
-	m_impl->skin.fade.clear();
-	activate( true ); // keeps a permanent activation state that the game has set
-	hasMoved();
-	return {};
+	return attempt( [&]() {
+		insist( m_impl->checkTime( "reset" ) );
+		insist( checkTransform( transform, "reset" ) );
+		m_impl->body->place( placementOf( m_impl->body->lattice(), transform ) );
+		if ( !m_impl->isHealthy )
+		{
+			forceActivationState( m_impl->stateBefore ); // quarantine had taken it out of the simulation
+		}
+		m_impl->isHealthy = true;
+		m_impl->skin.fade.clear();
+		activate( true ); // keeps a permanent activation state that the game has set
+		hasMoved();
+	} );
 }
 
 } // namespace pliant

@@ -1,12 +1,12 @@
 // Cracks in the skin: the crack faces that are drawn, and the state kept for them.
 
+#include "lattice/attempt.h"
 #include "lattice/guarded_tasks.h"
 #include "surface/crack_shapes/cell_owners.h"
 #include "world/api/drawn_mesh.h"
 #include "world/step/soft_body_system.h"
 
 #include <algorithm>
-#include <new>
 
 namespace pliant {
 
@@ -164,24 +164,15 @@ void SoftBody::Impl::makeSharedCrackState()
 
 Status SoftBody::prepareCracks()
 {
-	if ( Status status = m_impl->checkTime( "prepareCracks" ); !status.ok() )
-	{
-		return status;
-	}
-	try
-	{
+	return withinMemory( "Not enough memory for the body's crack surfaces.", [&]() {
+		insist( m_impl->checkTime( "prepareCracks" ) );
 		m_impl->makeSharedCrackState();
 		if ( m_impl->crackFamily )
 		{
 			m_impl->crackFamily->prepare();
 		}
 		m_impl->body->prepareToBreak();
-		return {};
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return Status{ ResultCode::OutOfMemory, "Not enough memory for the body's crack surfaces." };
-	}
+	} );
 }
 
 void SoftBody::Impl::noteCracks( const BreakReport& report )

@@ -1,5 +1,6 @@
 // Explosions: the impulse of a shock wave on the surfaces that face it, of soft and of rigid bodies.
 
+#include "lattice/attempt.h"
 #include "pliant/soft_body_host.h"
 #include "world/bodies/placing.h"
 #include "world/bodies/soft_body_impl.h"
@@ -15,11 +16,11 @@ namespace pliant {
 
 namespace {
 
-Status check( const Explosion& explosion )
+void check( const Explosion& explosion )
 {
 	const bool isGood = isFinite( explosion.centre ) && std::isfinite( explosion.radius ) && explosion.radius > 0 &&
 		std::isfinite( explosion.impulse ) && explosion.impulse >= 0 && explosion.falloff >= 0 && explosion.falloff <= kMostFalloff;
-	return isGood ? Status{} : Status{ ResultCode::BadSettings, "explode: a setting is out of range." };
+	rejectIf( !isGood, ResultCode::BadSettings, "explode: a setting is out of range." );
 }
 
 /// On a surface at a distance that faces the centre, N s/m^2.
@@ -198,40 +199,33 @@ void apply( const Push& push )
 
 Result<int> SoftBodyHost::explode( const Explosion& explosion )
 {
-	if ( m_step->bodies.isBusy() )
-	{
-		return Result<int>::failure( ResultCode::BadArgument, "explode: a step is in progress." );
-	}
-	if ( const Status status = check( explosion ); !status.ok() )
-	{
-		return Result<int>::failure( status.code, status.sentence );
-	}
-	std::vector<Push> pushes;
-	btCollisionObjectArray& objects = m_step->world().getCollisionObjectArray();
-	for ( int k = 0; k < objects.size(); ++k )
-	{
-		SoftBody* const soft = asSoftBody( objects[k] );
-		btRigidBody* const rigid = btRigidBody::upcast( objects[k] );
-		if ( objects[k]->isStaticOrKinematicObject() || ( soft && !soft->isHealthy() ) || ( !soft && !rigid ) )
+	return attempt( [&]() {
+		rejectIf( m_step->bodies.isBusy(), "explode", "a step is in progress." );
+		check( explosion );
+		std::vector<Push> pushes;
+		btCollisionObjectArray& objects = m_step->world().getCollisionObjectArray();
+		for ( int k = 0; k < objects.size(); ++k )
 		{
-			continue;
+			SoftBody* const soft = asSoftBody( objects[k] );
+			btRigidBody* const rigid = btRigidBody::upcast( objects[k] );
+			if ( objects[k]->isStaticOrKinematicObject() || ( soft && !soft->isHealthy() ) || ( !soft && !rigid ) )
+			{
+				continue;
+			}
+			Push push = soft ? Push{ soft, pushOf( *soft, m_step->world(), explosion ), btVector3( 0, 0, 0 ) }
+							 : pushOf( *rigid, m_step->world(), explosion );
+			rejectIf( isTooFast( push ), "explode", "a node or a rigid body would be faster than 1e5 m/s." );
+			if ( !push.nodes.empty() || !push.impulse.isZero() )
+			{
+				pushes.push_back( std::move( push ) );
+			}
 		}
-		Push push = soft ? Push{ soft, pushOf( *soft, m_step->world(), explosion ), btVector3( 0, 0, 0 ) }
-						 : pushOf( *rigid, m_step->world(), explosion );
-		if ( isTooFast( push ) )
+		for ( const Push& push : pushes )
 		{
-			return Result<int>::failure( ResultCode::BadArgument, "explode: a node or a rigid body would be faster than 1e5 m/s." );
+			apply( push );
 		}
-		if ( !push.nodes.empty() || !push.impulse.isZero() )
-		{
-			pushes.push_back( std::move( push ) );
-		}
-	}
-	for ( const Push& push : pushes )
-	{
-		apply( push );
-	}
-	return Result<int>::success( int( pushes.size() ) );
+		return Result<int>::success( int( pushes.size() ) );
+	} );
 }
 
 } // namespace pliant

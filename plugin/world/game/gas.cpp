@@ -1,5 +1,6 @@
 // Gas in the cavities of a hollow body. Once a crack has opened a cavity, its gas is gone.
 
+#include "lattice/attempt.h"
 #include "lattice/ranges.h"
 #include "world/bodies/placing.h"
 #include "world/bodies/soft_body_impl.h"
@@ -146,31 +147,23 @@ void SurfaceForces::pushWalls( const Body& body, unsigned version, double h )
 
 Status SoftBody::setGas( const Gas& gas )
 {
-	if ( Status status = m_impl->checkTime( "setGas" ); !status.ok() )
-	{
-		return status;
-	}
-	const bool isLaw = isChoice( gas.law, GasLaw::Ideal );
-	const bool isGood = isLaw && std::isfinite( gas.pressure ) && btFabs( gas.pressure ) <= kMostPressure && gas.outside >= 0 &&
-		gas.outside <= kMostPressure && ( gas.law != GasLaw::Ideal || gas.pressure > -gas.outside );
-	if ( !isGood )
-	{
-		return Status{ ResultCode::BadSettings, "setGas: the law or a pressure is out of range." };
-	}
-	auto forces = std::make_unique<SurfaceForces>();
-	forces->gas = gas;
-	if ( gas.law != GasLaw::None )
-	{
-		forces->boundary.update( *m_impl->body, m_impl->fractureVersion );
-		forces->findCavities( *m_impl->body, m_impl->fractureVersion, true );
-		if ( forces->cavities.empty() )
+	return attempt( [&]() {
+		insist( m_impl->checkTime( "setGas" ) );
+		const bool isLaw = isChoice( gas.law, GasLaw::Ideal );
+		const bool isGood = isLaw && std::isfinite( gas.pressure ) && btFabs( gas.pressure ) <= kMostPressure && gas.outside >= 0 &&
+			gas.outside <= kMostPressure && ( gas.law != GasLaw::Ideal || gas.pressure > -gas.outside );
+		rejectIf( !isGood, ResultCode::BadSettings, "setGas: the law or a pressure is out of range." );
+		auto forces = std::make_unique<SurfaceForces>();
+		forces->gas = gas;
+		if ( gas.law != GasLaw::None )
 		{
-			return refused( "setGas", "the body has no closed cavity (LatticeSettings::shell, Shell::Always)." );
+			forces->boundary.update( *m_impl->body, m_impl->fractureVersion );
+			forces->findCavities( *m_impl->body, m_impl->fractureVersion, true );
+			rejectIf( forces->cavities.empty(), "setGas", "the body has no closed cavity (LatticeSettings::shell, Shell::Always)." );
 		}
-	}
-	m_impl->forces = std::move( forces );
-	activate( true );
-	return {};
+		m_impl->forces = std::move( forces );
+		activate( true );
+	} );
 }
 
 Gas SoftBody::gas() const

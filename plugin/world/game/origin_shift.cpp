@@ -1,5 +1,6 @@
 // Moves the origin of a world: adds the same to every coordinate that anything in it keeps.
 
+#include "lattice/attempt.h"
 #include "pliant/soft_body_host.h"
 #include "world/bodies/placing.h"
 #include "world/bodies/soft_body_impl.h"
@@ -28,26 +29,18 @@ btTransform moved( const btTransform& transform, const btVector3& by )
 	return btTransform( transform.getBasis(), transform.getOrigin() + by );
 }
 
-Status check( const btCollisionWorld& world, const btVector3& by )
+void check( const btCollisionWorld& world, const btVector3& by )
 {
-	if ( Status status = checkVector( by, "shiftOrigin", "the displacement" ); !status.ok() )
-	{
-		return status;
-	}
+	insist( checkVector( by, "shiftOrigin", "the displacement" ) );
 	const btCollisionObjectArray& objects = world.getCollisionObjectArray();
 	for ( int k = 0; k < objects.size(); ++k )
 	{
 		const btVector3 to = objects[k]->getWorldTransform().getOrigin() + by;
-		if ( std::max( { btFabs( to.x() ), btFabs( to.y() ), btFabs( to.z() ) } ) > kFarthestPosition )
-		{
-			return refused( "shiftOrigin", "something would be further out than 1e9 m." );
-		}
-		if ( objects[k]->getInternalType() == btCollisionObject::CO_SOFT_BODY )
-		{
-			return refused( "shiftOrigin", "a soft body of Bullet's own is in the world." );
-		}
+		rejectIf( std::max( { btFabs( to.x() ), btFabs( to.y() ), btFabs( to.z() ) } ) > kFarthestPosition, "shiftOrigin",
+			"something would be further out than 1e9 m." );
+		rejectIf( objects[k]->getInternalType() == btCollisionObject::CO_SOFT_BODY, "shiftOrigin",
+			"a soft body of Bullet's own is in the world." );
 	}
-	return {};
 }
 
 void shiftObject( btCollisionObject& object, const btVector3& by )
@@ -217,35 +210,30 @@ void SoftBodySystem::shift( const btVector3& by )
 
 Status WorldStep::shiftOrigin( const btVector3& by )
 {
-	btDiscreteDynamicsWorld& world = m_parts.world;
-	if ( bodies.isBusy() )
-	{
-		return refused( "shiftOrigin", "a step is in progress." );
-	}
-	if ( Status status = check( world, by ); !status.ok() )
-	{
-		return status;
-	}
-	bodies.shift( by );
-	btCollisionObjectArray& objects = m_parts.objects;
-	for ( int k = 0; k < objects.size(); ++k )
-	{
-		if ( !asSoftBody( objects[k] ) )
+	return attempt( [&]() {
+		btDiscreteDynamicsWorld& world = m_parts.world;
+		rejectIf( bodies.isBusy(), "shiftOrigin", "a step is in progress." );
+		check( world, by );
+		bodies.shift( by );
+		btCollisionObjectArray& objects = m_parts.objects;
+		for ( int k = 0; k < objects.size(); ++k )
 		{
-			shiftObject( *objects[k], by );
+			if ( !asSoftBody( objects[k] ) )
+			{
+				shiftObject( *objects[k], by );
+			}
 		}
-	}
-	shiftMultiBodies( m_stages, by );
-	for ( int k = 0; k < m_parts.constraints.size(); ++k )
-	{
-		shiftJoint( *m_parts.constraints[k], by );
-	}
-	shiftContacts( *m_parts.dispatcher, by );
-	for ( int k = 0; k < objects.size(); ++k )
-	{
-		world.updateSingleAabb( objects[k] );
-	}
-	return {};
+		shiftMultiBodies( m_stages, by );
+		for ( int k = 0; k < m_parts.constraints.size(); ++k )
+		{
+			shiftJoint( *m_parts.constraints[k], by );
+		}
+		shiftContacts( *m_parts.dispatcher, by );
+		for ( int k = 0; k < objects.size(); ++k )
+		{
+			world.updateSingleAabb( objects[k] );
+		}
+	} );
 }
 
 Status SoftBodyHost::shiftOrigin( const btVector3& by )
@@ -260,12 +248,11 @@ const std::vector<ContactEvent>& SoftBodyHost::contactEvents() const
 
 Status SoftBodyHost::addForceField( ForceField& field )
 {
-	if ( m_step->bodies.fields.areActing() )
-	{
-		return refused( "addForceField", kInField );
-	}
-	m_step->bodies.isPlain = false;
-	return m_step->bodies.fields.add( field ) ? Status{} : refused( "addForceField", "the field is in a world already." );
+	return attempt( [&]() {
+		rejectIf( m_step->bodies.fields.areActing(), "addForceField", kInField );
+		m_step->bodies.isPlain = false;
+		rejectIf( !m_step->bodies.fields.add( field ), "addForceField", "the field is in a world already." );
+	} );
 }
 
 bool SoftBodyHost::removeForceField( ForceField& field )

@@ -1,40 +1,16 @@
 #include "pliant/io/snapshot.h"
 
+#include "lattice/attempt.h"
 #include "lattice/features.h"
 #include "world/bodies/placing.h"
 #include "world/io/snapshot_format.h"
 #include "world/io/world_snapshot.h"
 
 #include <algorithm>
-#include <new>
-#include <stdexcept>
 
 namespace pliant {
 
 namespace {
-
-Status outOfMemory( const char* what )
-{
-	return Status{ ResultCode::OutOfMemory, std::string( "Not enough memory to " ) + what + "." };
-}
-
-/// Calls `work`, which returns a Status, and converts a lack of memory into one.
-template <class Work>
-Status guarded( const char* what, const Work& work )
-{
-	try
-	{
-		return work();
-	}
-	catch ( const std::bad_alloc& )
-	{
-		return outOfMemory( what );
-	}
-	catch ( const std::length_error& )
-	{
-		return outOfMemory( what );
-	}
-}
 
 Status checkIds( const SoftBodyHost& world, const SaveSettings& settings )
 {
@@ -57,7 +33,7 @@ Status checkIds( const SoftBodyHost& world, const SaveSettings& settings )
 Result<std::vector<std::byte>> saveTemplate( const BodyTemplate& bodyTemplate )
 {
 	Result<std::vector<std::byte>> result;
-	result.status = guarded( "save a template", [&] {
+	result.status = withinMemory( "Not enough memory to save a template.", [&]() {
 		Archive archive = beginSnapshot( result.value );
 		archive.write( bodyTemplate );
 		archive.finish();
@@ -70,7 +46,7 @@ Result<std::vector<std::byte>> saveTemplate( const BodyTemplate& bodyTemplate )
 Result<std::shared_ptr<const BodyTemplate>> loadTemplate( BytesView bytes )
 {
 	Result<std::shared_ptr<const BodyTemplate>> result;
-	result.status = guarded( "load a template", [&] {
+	result.status = withinMemory( "Not enough memory to load a template.", [&]() {
 		Archive archive = openSnapshot( bytes, SnapshotKind::Template );
 		const std::shared_ptr<BodyTemplate> made = BodyTemplate::blank();
 		if ( archive.isSound() )
@@ -81,10 +57,7 @@ Result<std::shared_ptr<const BodyTemplate>> loadTemplate( BytesView bytes )
 		{
 			return refusalOf( archive );
 		}
-		if ( Status status = made->vertexCount() > 0 ? requireFeature( Feature::Surface ) : Status{}; !status.ok() )
-		{
-			return status;
-		}
+		insist( made->vertexCount() > 0 ? requireFeature( Feature::Surface ) : Status{} );
 		result.value = made;
 		return Status{};
 	} );
@@ -94,7 +67,7 @@ Result<std::shared_ptr<const BodyTemplate>> loadTemplate( BytesView bytes )
 Result<std::vector<std::byte>> saveBody( const SoftBody& body, const SaveSettings& settings )
 {
 	Result<std::vector<std::byte>> result;
-	result.status = guarded( "save a body", [&] {
+	result.status = withinMemory( "Not enough memory to save a body.", [&]() {
 		Archive archive = beginSnapshot( result.value );
 		const BodyTemplate& of = body.bodyTemplate();
 		std::uint64_t fingerprint = of.fingerprint();
@@ -175,21 +148,15 @@ Status readBody( BytesView bytes, const LoadSettings& settings, std::unique_ptr<
 SoftBodyResult loadBody( BytesView bytes, const LoadSettings& settings )
 {
 	SoftBodyResult result;
-	result.status = guarded( "load a body", [&] { return readBody( bytes, settings, result.value ); } );
+	result.status = withinMemory( "Not enough memory to load a body.", [&]() { return readBody( bytes, settings, result.value ); } );
 	return result;
 }
 
 Status saveWorld( const SoftBodyHost& world, std::vector<std::byte>& bytes, const SaveSettings& settings )
 {
-	return guarded( "save a world", [&] {
-		if ( world.step().bodies.isBusy() )
-		{
-			return refused( "saveWorld", "a step is in progress." );
-		}
-		if ( Status status = checkIds( world, settings ); !status.ok() )
-		{
-			return status;
-		}
+	return withinMemory( "Not enough memory to save a world.", [&]() {
+		rejectIf( world.step().bodies.isBusy(), "saveWorld", "a step is in progress." );
+		insist( checkIds( world, settings ) );
 		Archive archive = beginSnapshot( bytes );
 		WorldSnapshot( world.step() ).write( archive, settings );
 		archive.finish();
@@ -201,11 +168,8 @@ Status saveWorld( const SoftBodyHost& world, std::vector<std::byte>& bytes, cons
 Result<RestoredWorld> restoreWorld( SoftBodyHost& world, BytesView bytes, const LoadSettings& settings )
 {
 	Result<RestoredWorld> result;
-	result.status = guarded( "restore a world", [&] {
-		if ( world.step().bodies.isBusy() )
-		{
-			return refused( "restoreWorld", "a step is in progress." );
-		}
+	result.status = withinMemory( "Not enough memory to restore a world.", [&]() {
+		rejectIf( world.step().bodies.isBusy(), "restoreWorld", "a step is in progress." );
 		Archive archive = openSnapshot( bytes, SnapshotKind::World );
 		WorldSnapshot snapshot( world.step() );
 		if ( archive.isSound() )

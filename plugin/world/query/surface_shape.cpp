@@ -1,6 +1,7 @@
 #include "world/query/surface_shape.h"
 
 #include "body/levels/levels.h"
+#include "lattice/table.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/query/query_constants.h"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace pliant {
 
@@ -94,18 +94,13 @@ void SurfaceShape::listCorners() const
 	const SkinBinding& shown = m_owner.impl().binding();
 	const TriangleView& view = m_surface.view;
 	const int corners = 3 * view.triangles;
-	start.assign( std::size_t( shown.normalGroups ) + 2, 0 );
-	for ( int k = 0; k < corners; ++k )
-	{
-		++start[shown.normalGroup[view.indices[k]] + 2];
-	}
-	std::partial_sum( start.begin(), start.end(), start.begin() );
-	triangle.resize( std::size_t( corners ) );
-	for ( int k = 0; k < corners; ++k )
-	{
-		triangle[start[shown.normalGroup[view.indices[k]] + 1]++] = std::uint32_t( k / 3 ); // moves each start to that of the next group
-	}
-	start.pop_back();
+	const auto forCorners = [&]( auto&& visit ) {
+		for ( int k = 0; k < corners; ++k )
+		{
+			visit( shown.normalGroup[view.indices[k]], std::uint32_t( k / 3 ) );
+		}
+	};
+	sortIntoRows( std::size_t( shown.normalGroups ), forCorners, start, triangle );
 }
 
 bool SurfaceShape::placeDrawn() const

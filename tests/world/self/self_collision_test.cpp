@@ -3,6 +3,7 @@
 #include "world/levels/adaptive_bodies.h"
 
 #include "lattice/inside/inside_distance.h"
+#include "support/block_lattice.h"
 #include "support/shapes.h"
 
 #include <algorithm>

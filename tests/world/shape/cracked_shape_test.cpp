@@ -3,6 +3,7 @@
 #include "support/explicit_material.h"
 #include "world/test_world.h"
 
+#include "support/block_lattice.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/shape/node_shape.h"
