@@ -41,7 +41,7 @@ struct BlockContact
 	double target = 0.0;                  ///< b: least separation speed required, m/s
 	double targetWithoutBounce = 0.0;     ///< b without restitution, m/s
 	double friction = 0.0;                ///< mu
-	double restitution = 0.0;             ///< of the bodies' rigid motions; a node's own acts once per touch
+	double restitution = 0.0;             ///< of a body that bounces as rigid, until it separates
 	bool isDrawn = false;                 ///< touches a drawn surface, whose points are shared by several nodes
 	int frictionScale = -1;               ///< index in frictionScales; -1: isotropic friction
 	btManifoldPoint* point = nullptr;     ///< null: an attachment
@@ -342,6 +342,7 @@ private:
 	void addRigidMotions( const float* momentum, float* velocity ) const;
 	void completeBounce();
 	/// Sets m_bounced to the velocities of the rigid motions that are contained in m_v.
+	void respondRigidly();
 	void fillRigidMotions();
 	/// Whether nothing but contacts moves the bodies of the block, and all soft ones step implicitly.
 	bool movesFreely() const;
@@ -353,7 +354,7 @@ private:
 	void keepRolling();
 	void keepRolling( int index );
 	void shiftRolling( double energy, double work, double mean, double most );
-	/// Returns the energy that the contacts in m_rolling and numerical damping take from a part, J.
+	/// Returns the energy that the contacts in m_pressing and numerical damping take from a part, J.
 	double energyTaken( const SoftPart& part ) const;
 	Vec3d velocityOfCentre( const SoftPart& part, const float* v ) const;
 
@@ -378,7 +379,7 @@ private:
 	AlignedArray<float> m_v, m_next, m_rightSide, m_scratch;
 	AlignedArray<float> m_free, m_freeNext; ///< b - A v at m_v and at m_next, without contacts
 	AlignedArray<float> m_bounced;          ///< velocities with full restitution, of rigid motions; scratch of implicit_restitution.cpp
-	std::vector<std::size_t> m_rolling;     ///< contacts of one body that press; scratch of keepRolling and bounceAsRigid
+	std::vector<std::size_t> m_pressing;    ///< contacts of one body that press; scratch of keepRolling and bounceAsRigid
 	std::vector<ContactImpulse> m_bouncedImpulses; ///< by contact, with full restitution; scratch of reduceBounce
 	AlignedArray<float> m_massProduct;             ///< the last product without contacts
 	AlignedArray<float> m_inverseDiagonal;         ///< 1 / A_ii of the soft parts' nodes, at the index of their first component

@@ -148,6 +148,13 @@ void ImplicitBlock::addRigidMotions( const float* momentum, float* velocity ) co
 	}
 }
 
+/// m_next = the changes of the rigid motions by the impulses in m_rightSide.
+void ImplicitBlock::respondRigidly()
+{
+	std::fill( m_next.begin(), m_next.end(), 0.0f );
+	addRigidMotions( m_rightSide.data(), m_next.data() );
+}
+
 void ImplicitBlock::fillRigidMotions()
 {
 	std::fill( m_rightSide.begin(), m_rightSide.end(), 0.0f );
@@ -191,8 +198,7 @@ void ImplicitBlock::completeBounce()
 	{
 		addPair( contact, contact.normalImpulse * contact.normal, m_rightSide.data() );
 	}
-	std::fill( m_next.begin(), m_next.end(), 0.0f );
-	addRigidMotions( m_rightSide.data(), m_next.data() );
+	respondRigidly();
 
 	double lack = 0.0, response = 0.0, work = 0.0;
 	for ( const BlockContact& contact : contacts )
@@ -217,10 +223,10 @@ void ImplicitBlock::completeBounce()
 	}
 }
 
-/// Lists the contacts in which a body presses objects that move freely or not at all, in m_rolling; false if there are none or others.
+/// Lists the contacts in which a body presses objects that move freely or not at all, in m_pressing; false if there are none or others.
 bool ImplicitBlock::listPressing( int index )
 {
-	m_rolling.clear();
+	m_pressing.clear();
 	for ( std::size_t k = 0; k < contacts.size(); ++k )
 	{
 		const BlockContact& contact = contacts[k];
@@ -235,9 +241,9 @@ bool ImplicitBlock::listPressing( int index )
 		{
 			return false; // two soft bodies rebound by their elasticity
 		}
-		m_rolling.push_back( k );
+		m_pressing.push_back( k );
 	}
-	return !m_rolling.empty();
+	return !m_pressing.empty();
 }
 
 void ImplicitBlock::bounceAsRigid()
@@ -266,14 +272,13 @@ void ImplicitBlock::bounceAsRigid( const SoftPart& part, int index )
 	}
 	fillRigidMotions();
 	std::fill( m_rightSide.begin(), m_rightSide.end(), 0.0f );
-	for ( const std::size_t k : m_rolling )
+	for ( const std::size_t k : m_pressing )
 	{
 		addPair( contacts[k], contacts[k].normalImpulse * contacts[k].normal, m_rightSide.data() );
 	}
-	std::fill( m_next.begin(), m_next.end(), 0.0f );
-	addRigidMotions( m_rightSide.data(), m_next.data() );
+	respondRigidly();
 	double press = 0.0, approach = 0.0, lack = 0.0, response = 0.0, friction = 0.0;
-	for ( const std::size_t k : m_rolling )
+	for ( const std::size_t k : m_pressing )
 	{
 		const BlockContact& contact = contacts[k];
 		const double after = contact.normal.dot( relativeVelocity( contact, m_bounced.data() ) );
@@ -296,7 +301,7 @@ void ImplicitBlock::bounceAsRigid( const SoftPart& part, int index )
 		v = nodes.freedom[k % nodes.padded] * m_bounced[std::size_t( part.offset + k )];
 	}
 	addMotion( part, fraction );
-	for ( const std::size_t k : m_rolling )
+	for ( const std::size_t k : m_pressing )
 	{
 		contacts[k].normalImpulse *= 1.0 + fraction;
 	}
@@ -322,7 +327,7 @@ void ImplicitBlock::addMotion( const SoftPart& part, double factor )
 void ImplicitBlock::rubAsRigid( const SoftPart& part, double friction )
 {
 	Vec3d slip = Vec3d::Zero();
-	for ( const std::size_t k : m_rolling )
+	for ( const std::size_t k : m_pressing )
 	{
 		const Vec3d u = relativeVelocity( contacts[k], m_v.data() );
 		slip += contacts[k].normalImpulse * ( u - contacts[k].normal.dot( u ) * contacts[k].normal );
@@ -333,14 +338,13 @@ void ImplicitBlock::rubAsRigid( const SoftPart& part, double friction )
 	}
 	const Vec3d along = -slip.normalized();
 	std::fill( m_rightSide.begin(), m_rightSide.end(), 0.0f );
-	for ( const std::size_t k : m_rolling )
+	for ( const std::size_t k : m_pressing )
 	{
 		addPair( contacts[k], contacts[k].normalImpulse * along, m_rightSide.data() );
 	}
-	std::fill( m_next.begin(), m_next.end(), 0.0f );
-	addRigidMotions( m_rightSide.data(), m_next.data() );
+	respondRigidly();
 	double response = 0.0;
-	for ( const std::size_t k : m_rolling )
+	for ( const std::size_t k : m_pressing )
 	{
 		response += contacts[k].normalImpulse * along.dot( changeAt( contacts[k], m_next.data() ) );
 	}
@@ -350,7 +354,7 @@ void ImplicitBlock::rubAsRigid( const SoftPart& part, double friction )
 		return;
 	}
 	addMotion( part, fraction );
-	for ( const std::size_t k : m_rolling )
+	for ( const std::size_t k : m_pressing )
 	{
 		contacts[k].tangentImpulse += fraction * contacts[k].normalImpulse * along;
 	}

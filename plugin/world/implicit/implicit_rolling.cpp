@@ -24,12 +24,12 @@ Vec3d ImplicitBlock::velocityOfCentre( const SoftPart& part, const float* v ) co
 	return sum / mass;
 }
 
-// Of the contacts in m_rolling, without sliding friction, and of the numerical damping of the part: sigma alpha v . ( 1 - P ) v, where the
+// Of the contacts in m_pressing, without sliding friction, and of the numerical damping of the part: sigma alpha v . ( 1 - P ) v, where the
 // residual without contacts has the product that this takes.
 double ImplicitBlock::energyTaken( const SoftPart& part ) const
 {
 	double sum = 0.0;
-	for ( const std::size_t k : m_rolling )
+	for ( const std::size_t k : m_pressing )
 	{
 		const BlockContact& contact = contacts[k];
 		const bool sticks = contact.tangentImpulse.norm() < kStickingFriction * contact.friction * contact.normalImpulse;
@@ -73,7 +73,7 @@ void ImplicitBlock::keepRolling()
 void ImplicitBlock::keepRolling( int index )
 {
 	const SoftPart& part = soft[std::size_t( index )];
-	m_rolling.clear();
+	m_pressing.clear();
 	double press = 0.0, mean = 0.0, central = 0.0, work = 0.0, most = 0.0;
 	fillRigidMotions();
 	const auto separation = [&]( const BlockContact& contact ) {
@@ -86,14 +86,14 @@ void ImplicitBlock::keepRolling( int index )
 		const int side = contact.side[0].soft == index ? 0 : 1;
 		if ( contact.side[side].soft == index && !contact.isAttachment() && contact.normalImpulse > 0.0 )
 		{
-			m_rolling.push_back( k );
+			m_pressing.push_back( k );
 			press += contact.normalImpulse;
 			mean += contact.normalImpulse * separation( contact );
 			const Vec3d own = velocityOf( contact.side[side], contact.normal, m_bounced.data() ) - centre;
 			central -= ( side == 0 ? 1.0 : -1.0 ) * contact.normalImpulse * contact.normal.dot( own );
 		}
 	}
-	if ( m_rolling.size() < 2 || !( central > 0.0 ) )
+	if ( m_pressing.size() < 2 || !( central > 0.0 ) )
 	{
 		return;
 	}
@@ -104,7 +104,7 @@ void ImplicitBlock::keepRolling( int index )
 	}
 	mean /= press;
 	std::fill( m_rightSide.begin(), m_rightSide.end(), 0.0f );
-	for ( const std::size_t k : m_rolling )
+	for ( const std::size_t k : m_pressing )
 	{
 		const BlockContact& contact = contacts[k];
 		const double above = separation( contact ) - mean;
@@ -121,15 +121,14 @@ void ImplicitBlock::keepRolling( int index )
 // s from   s work + s^2 square / 2 = energy.
 void ImplicitBlock::shiftRolling( double energy, double work, double mean, double most )
 {
-	std::fill( m_next.begin(), m_next.end(), 0.0f );
-	addRigidMotions( m_rightSide.data(), m_next.data() );
+	respondRigidly();
 	const double square = dot( m_rightSide.data(), m_next.data(), m_size );
 	const double shift = std::min( 2.0 * energy / ( work + std::sqrt( work * work + 2.0 * energy * square ) ), most );
 	if ( !std::isfinite( shift ) )
 	{
 		return;
 	}
-	for ( const std::size_t k : m_rolling )
+	for ( const std::size_t k : m_pressing )
 	{
 		BlockContact& contact = contacts[k];
 		contact.normalImpulse *= 1.0 + shift * ( contact.normal.dot( relativeVelocity( contact, m_bounced.data() ) ) - mean );

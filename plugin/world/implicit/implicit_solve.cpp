@@ -19,7 +19,9 @@ namespace {
 /// Returns true if there is something of a body to solve: elasticity, contacts or attachments.
 bool needsBlock( const SoftBody& body, const Attachments& attachments )
 {
-	return ( !attachments.isEmpty() && attachments.contain( body ) ) || body.impl().isImplicit || body.hasContactResponse();
+	const SoftBody::Impl& impl = body.impl();
+	return impl.isImplicit || ( body.hasContactResponse() && !impl.touched.empty() ) ||
+		( !attachments.isEmpty() && attachments.contain( body ) );
 }
 
 /// Bodies that break or flow need the strain of their impacts; held ones and those in several parts have no rigid motion.

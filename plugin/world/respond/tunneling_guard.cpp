@@ -61,7 +61,7 @@ int TunnelingGuard::hold( SoftBody& body, const std::vector<const btCollisionObj
 // New nodes are treated as if they came from their parents' positions.
 bool TunnelingGuard::place( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& positionBefore )
 {
-	const NodeState& nodes = body.impl().body->nodes();
+	NodeState& nodes = body.impl().body->nodes();
 	const LevelChange& change = body.impl().body->levels()->lastChange();
 	std::vector<Vec3> from;
 	for ( int i = 0; i < nodes.count; ++i )
@@ -75,12 +75,6 @@ bool TunnelingGuard::place( SoftBody& body, const std::vector<const btCollisionO
 			from[now] = nodes.x.get( int( now ) );
 		}
 	}
-	return keep( body, walls, from );
-}
-
-bool TunnelingGuard::keep( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& from )
-{
-	NodeState& nodes = body.impl().body->nodes();
 	begin( body, 0.0 );
 	for ( int i = 0; i < nodes.count; ++i )
 	{

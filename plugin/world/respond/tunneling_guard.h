@@ -25,8 +25,6 @@ public:
 	int hold( SoftBody& body, const std::vector<const btCollisionObject*>& walls, double h );
 	/// Corrects the positions of nodes that a change of levels created, given those of their sources; true where any was moved.
 	bool place( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& positionBefore );
-	/// Corrects the positions of all nodes that have moved since `from`.
-	bool keep( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& from );
 	/// Whether nodes without a sphere reached a wall in the last call.
 	bool hasInnerNodes() const { return m_hasInnerNodes; }
 

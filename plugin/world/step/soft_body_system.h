@@ -117,7 +117,7 @@ public:
 	/// Neither a soft body nor a field is in the world, and nothing of them is left to do: Bullet's world steps alone, and the host passes
 	/// its stages by.
 	bool isPlain = false;
-	/// Solves implicit bodies and the objects that they touch before Bullet's solver; noteSolved() then reads that solver's results.
+	/// Solves contacts of deformable bodies, and implicit bodies, before Bullet's solver; noteSolved() then reads that solver's results.
 	/// `joints`: of the pass.
 	void solveImplicit( const btAlignedObjectArray<btTypedConstraint*>& joints, btDispatcher& dispatcher, const btContactSolverInfo& info );
 	void noteSolved() { implicitSolve().after(); }

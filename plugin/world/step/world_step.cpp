@@ -333,7 +333,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 		bodies.solveImplicit( m_parts.constraints, dispatcher, info );
 		bodies.giveFrames( info.m_timeStep );
 	}
-	m_stages.baseSolve( info ); // contacts of explicit and rigid bodies, joints
+	m_stages.baseSolve( info ); // joints, and contacts without a deformable body
 	if ( m_isStepping )
 	{
 		bodies.noteSolved();

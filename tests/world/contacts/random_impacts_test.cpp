@@ -16,8 +16,8 @@ void expectNoGain( Ground ground, Elasticity elasticity, unsigned seed, float st
 	EXPECT_LT( most, 1.001 ) << kGroundNames[int( ground )] << ", seed " << seed;
 }
 
-/// Friction at the centres of big nodes, half a body away from the contact, must see the rotation that FrictionTorqueCorrection adds;
-/// otherwise friction accelerates the rotation and adds up to 7 % of the energy.
+/// Friction acts at the centres of big nodes, half a body away from the contact, and angular momentum is restored by a rotation of the
+/// bodies: a friction that did not see that rotation would accelerate it and add up to 7 % of the energy.
 TEST( RandomImpacts, FrictionSeesTheRotationOfBodies )
 {
 	for ( const unsigned seed : { 142u, 469u, 599u, 755u } )
