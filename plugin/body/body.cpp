@@ -4,6 +4,7 @@
 #include "body/implicit_motion.h"
 #include "body/levels/levels.h"
 #include "body/rigid_state.h"
+#include "body/touched_nodes.h"
 #include "lattice/attempt.h"
 #include "matching/clusters/cluster_matcher.h"
 #include "matching/regions/link_moments.h"

@@ -25,12 +25,14 @@ class Matcher;
 class LatticeMatcher;
 class Levels;
 class ImplicitMotion;
+class TouchedNodes;
 class TaskRunner;
 struct TemplateCache;
 struct Breaking;
 struct BodyPiece;
 struct BreakReport;
 struct CellLink;
+struct ConnectedParts;
 struct PieceOfLevels;
 struct LinkLimits;
 struct RigidMotion;
@@ -219,8 +221,12 @@ public:
 	/// Solves A x = `impulse` for the velocities that impulses on the nodes give within the substep of pushImplicitly, from the guess in
 	/// `velocity`; both of nodes().padded floats a component, zero at pinned nodes.
 	void respond( const float* impulse, float* velocity, TaskRunner* runner );
-	/// For a body with forces applied: it takes part in other bodies' system with its masses only.
+	/// For a body with forces applied: it takes part in other bodies' system with its masses only, as a whole.
 	ImplicitMotion& joinFreely();
+	/// The same with the nodes that will be added.
+	TouchedNodes& joinByContacts();
+	/// Measures the rigid motions of such a body, in `implicit()`.
+	ImplicitMotion& measureRigidMotions();
 	/// Null before the first call of one of these two.
 	ImplicitMotion* implicit() { return m_implicit.get(); }
 	/// Velocities at the start of the substep.
@@ -332,6 +338,7 @@ private:
 	/// Whether its mean strain is invisible, and none is near to breaking it.
 	bool isHardlyStrained( const StrainSize& strain ) const;
 	/// The strain up to which a body that can break may be rigid; infinity where nothing of it can break but crumbs.
+	const ConnectedParts* matchedParts() const;
 	double rigidBreakStrain() const;
 	void keepFiniteState();
 	void restoreFiniteState();
@@ -344,6 +351,7 @@ private:
 	Vec3Array m_fieldForce;
 	std::unique_ptr<Matcher> m_matcher;
 	std::unique_ptr<ImplicitMotion> m_implicit; ///< null until the first implicit substep
+	std::unique_ptr<TouchedNodes> m_touched;    ///< null until the first joinByContacts()
 	Vec3Array m_velocityBefore;                 ///< at the start of the substep
 	AlignedArray<float> m_pushed;
 	NodePull m_pull;

@@ -4,6 +4,7 @@
 
 #include "body/implicit_motion.h"
 #include "body/levels/levels.h"
+#include "body/touched_nodes.h"
 #include "matching/implicit/conjugate_gradients.h"
 #include "matching/step/lattice_matcher.h"
 #include "matching/stiffness.h"
@@ -145,14 +146,33 @@ void Body::respond( const float* impulse, float* velocity, TaskRunner* runner )
 
 ImplicitMotion& Body::joinFreely()
 {
-	if ( !m_implicit )
-	{
-		m_implicit = std::make_unique<ImplicitMotion>();
-	}
-	// Clusters hold all their nodes together, linked or not.
-	m_implicit->beginFree(
-		m_nodes, m_material.method == Method::Lattice ? &static_cast<const LatticeMatcher&>( *m_matcher ).parts() : nullptr );
+	m_implicit = m_implicit ? std::move( m_implicit ) : std::make_unique<ImplicitMotion>();
+	m_implicit->beginFree( m_nodes );
+	m_implicit->measureFree( matchedParts() );
 	return *m_implicit;
+}
+
+ImplicitMotion& Body::measureRigidMotions()
+{
+	m_implicit = m_implicit ? std::move( m_implicit ) : std::make_unique<ImplicitMotion>();
+	m_implicit->measureRigid( m_nodes, matchedParts() );
+	return *m_implicit;
+}
+
+TouchedNodes& Body::joinByContacts()
+{
+	if ( !m_touched )
+	{
+		m_touched = std::make_unique<TouchedNodes>();
+	}
+	m_touched->begin( m_nodes, m_velocityBefore, matchedParts() );
+	return *m_touched;
+}
+
+/// Null for one part: clusters hold all their nodes together, linked or not.
+const ConnectedParts* Body::matchedParts() const
+{
+	return m_material.method == Method::Lattice ? &static_cast<const LatticeMatcher&>( *m_matcher ).parts() : nullptr;
 }
 
 int Body::solveAlone( TaskRunner* runner )

@@ -43,7 +43,6 @@ template <class Least, class Point>
 void ImplicitMotion::raiseInertias( const Least& least, const Point& point )
 {
 	m_inertias.resize( std::size_t( parts().count() ) );
-	m_freeMomentum.resize( m_inertias.size() );
 	for ( int p = 0; p < parts().count(); ++p )
 	{
 		Eigen::Matrix3d& inertia = m_inertias[std::size_t( p )];
@@ -52,6 +51,14 @@ void ImplicitMotion::raiseInertias( const Least& least, const Point& point )
 		{
 			inertia = point( m_rates.whole( p ).mass ) * Eigen::Matrix3d::Identity();
 		}
+	}
+}
+
+void ImplicitMotion::keepFreeMomentum()
+{
+	m_freeMomentum.resize( std::size_t( parts().count() ) );
+	for ( int p = 0; p < parts().count(); ++p )
+	{
 		m_freeMomentum[std::size_t( p )] = momentum( p );
 	}
 }
@@ -80,6 +87,7 @@ void ImplicitMotion::begin(
 	// Nodes in one point cannot rotate, for any inertia.
 	const auto least = [&]( double mass ) { return kLeastInertia * mass * step.secondMoment; };
 	raiseInertias( least, [&]( double mass ) { return least( mass ) / 3.0; } );
+	keepFreeMomentum();
 
 	// Volume keeping makes the response to compression 1 + 3 kappa times that to tension: that factor is applied everywhere, for stability.
 	const float elastic = step.alpha * ( 1.0f + 3.0f * step.volumeKeeping );
@@ -117,16 +125,28 @@ void ImplicitMotion::begin(
 	}
 }
 
-void ImplicitMotion::beginFree( NodeState& nodes, const ConnectedParts* parts )
+void ImplicitMotion::beginFree( NodeState& nodes )
 {
 	m_nodes = &nodes;
 	m_pull = nullptr; // an explicit body's nodes have been drawn already
 	m_stiffness = 0.0f;
 	m_rolling = 0.0;
+}
+
+void ImplicitMotion::measureRigid( NodeState& nodes, const ConnectedParts* parts )
+{
+	beginFree( nodes );
 	m_rates.measureBody( nodes, parts );
 	measurePinned();
 	const auto least = []( double mass ) { return kPointInertia * mass; };
 	raiseInertias( least, least );
+}
+
+void ImplicitMotion::measureFree( const ConnectedParts* parts )
+{
+	const NodeState& nodes = *m_nodes;
+	measureRigid( *m_nodes, parts );
+	keepFreeMomentum();
 	measureArms();
 	m_rightSide.resize( std::size_t( size() ) );
 	copyVelocities( m_rightSide.data() );

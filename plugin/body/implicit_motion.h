@@ -48,13 +48,18 @@ public:
 	/// live as long as `nodes`.
 	void begin( LatticeMatcher& matcher, NodeState& nodes, const float* pushed, const ImplicitStep& step, const NodePull& pull,
 		TaskRunner* runner );
-	/// Starts a substep of a body moved by its contacts only: G = 0, b = m v. `parts`: must live as long as `nodes`; null: one part.
-	void beginFree( NodeState& nodes, const ConnectedParts* parts = nullptr );
+	/// Starts a substep of a body moved by its contacts only: G = 0, b = m v. Nothing but nodes() may be read before measureFree().
+	void beginFree( NodeState& nodes );
+	/// `parts`: must live as long as the nodes; null: one part.
+	void measureFree( const ConnectedParts* parts );
+	/// Measures nothing but the rigid motions: rigidMass(), centre(), isHeld(), momentum() and addMotion() may be called then.
+	void measureRigid( NodeState& nodes, const ConnectedParts* parts );
 
 	/// Floats of a velocity vector: three components, each padded to whole lanes.
 	int size() const { return 3 * m_nodes->padded; }
 	int padded() const { return m_nodes->padded; }
 	const NodeState& nodes() const { return *m_nodes; }
+	NodeState& nodes() { return *m_nodes; }
 	const float* rightSide() const { return m_rightSide.data(); }
 	/// to = A v; rows of pinned nodes are 0.
 	void apply( const float* v, float* to, TaskRunner* runner );
@@ -101,6 +106,7 @@ public:
 
 private:
 	void measurePinned();
+	void keepFreeMomentum();
 	double freedomOfTurn( double length ) const;
 	float gainOf( int node ) const { return m_pull ? m_pull->gain[std::size_t( node )] : 0.0f; }
 	void measureArms();

@@ -296,6 +296,9 @@ inline constexpr btScalar kFarthestTurn = btScalar( 0.785 );
 inline constexpr btScalar kFirstContactTurn = btScalar( 0.5 );
 /// Game steps: until a new body is tested for its rigid state, between two tests, and for which a body deforms at least.
 inline constexpr int kRigidStart = 2, kRigidRetry = 3, kRigidPause = 6;
+/// A slow body that has been rigid for fewer game steps than the first of these deforms twice as long as the time before, up to the second:
+/// one that rests on another, whose hull lies higher on it than its spheres, would rise, deform and sink again and again, and never sleep.
+inline constexpr int kBrieflyRigid = 60, kLongestRigidPause = 240;
 /// Time for which a body has to be slow, as after a fall over its largest node at most, before it may be rigid while it is bent, s.
 inline constexpr double kBentRest = 0.25;
 /// Velocity at which bodies in their rigid state separate from objects that their hulls overlap, m/s, and a lower bound for the fraction of

@@ -189,8 +189,10 @@ struct SoftBody::Impl
 	std::unique_ptr<RigidProxy> rigidProxy; ///< null while the body deforms
 	RigidLoad rigidLoad;
 	bool mustDeform = false; ///< from the next step on; ignored without a rigid proxy
-	/// Game steps until the body is tested for its rigid state. In that state: above 0 until its first contacts are found.
+	/// Game steps until the body is tested for its rigid state. In that state: above 0 until its first contacts are found, then minus the
+	/// game steps since.
 	int rigidWait = kRigidStart;
+	int rigidPause = kRigidPause / 2; ///< game steps for which it deformed at least when it last left its rigid state
 
 	std::vector<Vec3d> heldBefore; ///< node positions of a static or kinematic body at the last game step, world, m
 

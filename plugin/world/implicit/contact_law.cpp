@@ -82,16 +82,17 @@ Vec3d ImplicitBlock::freeVelocity( const BlockContact& contact ) const
 const Vec3d& ImplicitBlock::angularVelocityOf( const ContactSide& side )
 {
 	SoftPart& part = soft[std::size_t( side.soft )];
+	const ImplicitMotion& motion = wholeOf( part );
 	if ( part.angularVelocity.empty() )
 	{
-		for ( int k = 0; k < part.motion->parts().count(); ++k )
+		for ( int k = 0; k < motion.parts().count(); ++k )
 		{
-			part.angularVelocity.push_back( part.motion->hasShape( k )
-					? Vec3d( ( part.motion->rigidMass( k ).inverse() * part.motion->momentum( k ) ).tail<3>() )
+			part.angularVelocity.push_back( motion.hasShape( k )
+					? Vec3d( ( motion.rigidMass( k ).inverse() * motion.momentum( k ) ).tail<3>() )
 					: Vec3d( Vec3d::Zero() ) );
 		}
 	}
-	return part.angularVelocity[std::size_t( part.motion->parts().partOf( side.node ) )];
+	return part.angularVelocity[std::size_t( motion.parts().partOf( side.node ) )];
 }
 
 Vec3d ImplicitBlock::velocityBefore( const BlockContact& contact ) const

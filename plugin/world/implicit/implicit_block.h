@@ -20,6 +20,8 @@ namespace pliant {
 class JointGroup;
 class SoftBody;
 class TaskRunner;
+class TouchedNodes;
+class UnionFind;
 
 /// One side of a contact: a node with the neighbours that share the contact, a rigid body, or an object of prescribed velocity.
 struct ContactSide
@@ -78,6 +80,8 @@ struct SoftPart
 {
 	SoftBody* owner = nullptr;
 	ImplicitMotion* motion = nullptr;
+	TouchedNodes* touched = nullptr;           ///< null: all nodes take part
+	ImplicitMotion* whole = nullptr;           ///< all nodes where only touched ones take part; null until it is needed
 	const Vec3Array* velocityBefore = nullptr; ///< at the start of the substep: the initial guess
 	int offset = 0;                            ///< of its velocities in the vector
 	std::vector<Vec3d> angularVelocity;        ///< of each connected part, rad/s; computed on demand
@@ -195,8 +199,9 @@ private:
 	struct ConnectedPart
 	{
 		int soft = -1, part = 0;
-		int coarse = -1;      ///< body index in the coarse system; -1: its nodes are preconditioned alone
-		bool touches = false; ///< one of its nodes has a contact
+		int coarse = -1;        ///< body index in the coarse system; -1: its nodes are preconditioned alone
+		bool touches = false;   ///< one of its nodes has a contact
+		bool isPressed = false; ///< one of its contacts has an impulse; of restoreMomentum
 	};
 	/// Nodes coupled by contacts: a dense block of the preconditioner.
 	struct Cluster
@@ -245,6 +250,9 @@ private:
 	void moved( float by ) override;
 
 	void layOut();
+	void compact();
+	/// Returns the system of all nodes of a body; its rigid motions alone may be used.
+	static ImplicitMotion& wholeOf( SoftPart& part );
 	void listConnected();
 	/// For a side that is a node.
 	const ConnectedPart& connectedOf( const ContactSide& side ) const
@@ -371,6 +379,7 @@ private:
 		Vector6 missingMomentum = Vector6::Zero(); ///< N s, N m s
 	};
 	MovingBody movingBodyAt( std::uint32_t k );
+	void listGroups( UnionFind& groups, std::uint32_t count );
 	void restoreMomentumOf( const std::uint32_t* begin, const std::uint32_t* end );
 
 	int m_size = 0;

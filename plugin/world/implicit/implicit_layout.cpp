@@ -2,6 +2,7 @@
 
 #include "world/implicit/implicit_block.h"
 
+#include "body/touched_nodes.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 
@@ -9,8 +10,43 @@
 
 namespace pliant {
 
+/// From here on the nodes of contacts are numbered as the system has them.
+void ImplicitBlock::compact()
+{
+	for ( BlockContact& contact : contacts )
+	{
+		for ( ContactSide& side : contact.side )
+		{
+			TouchedNodes* const touched = side.soft >= 0 ? soft[std::size_t( side.soft )].touched : nullptr;
+			for ( int j = 0; touched && j < side.shared.count; ++j )
+			{
+				side.shared.node[j] = touched->add( side.shared.node[j] );
+			}
+			side.node = touched ? touched->add( side.node ) : side.node;
+		}
+	}
+	for ( SoftPart& part : soft )
+	{
+		if ( part.touched )
+		{
+			part.touched->finish();
+			part.velocityBefore = &part.touched->velocityBefore();
+		}
+	}
+}
+
+ImplicitMotion& ImplicitBlock::wholeOf( SoftPart& part )
+{
+	if ( part.touched && !part.whole )
+	{
+		part.whole = &part.owner->impl().body->measureRigidMotions();
+	}
+	return part.touched ? *part.whole : *part.motion;
+}
+
 void ImplicitBlock::layOut()
 {
+	compact();
 	m_size = 0;
 	m_softMass = 0.0;
 	for ( SoftPart& part : soft )
@@ -58,7 +94,7 @@ void ImplicitBlock::listConnected()
 		soft[p].firstConnected = int( m_connected.size() );
 		for ( int part = 0; part < soft[p].motion->parts().count(); ++part )
 		{
-			m_connected.push_back( ConnectedPart{ int( p ), part, -1, false } );
+			m_connected.push_back( ConnectedPart{ int( p ), part } );
 		}
 	}
 	for ( const BlockContact& contact : contacts )

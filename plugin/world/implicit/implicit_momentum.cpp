@@ -1,5 +1,6 @@
 // Restores the momentum that the truncated iteration loses.
 
+#include "body/touched_nodes.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/implicit/implicit_block.h"
 
@@ -39,8 +40,9 @@ Vector6 seenFrom( const Vec3d& at, const Vector6& motion, const Vec3d& centre )
 
 /// Adds a rigid motion to the nodes of a part so that their momentum changes by it: the rounding error of one node is passed to the next.
 /// Added to each node separately, a motion of less than half of a velocity's last digit would be lost in every substep.
-void addToTheLastDigit( NodeState& nodes, const ImplicitMotion& motion, int part, const Vector6& added )
+void addToTheLastDigit( ImplicitMotion& motion, int part, const Vector6& added )
 {
+	NodeState& nodes = motion.nodes();
 	const Vec3d shift = added.head<3>(), turn = added.tail<3>(), &centre = motion.centre( part );
 	Vec3d rest = Vec3d::Zero(); // N s
 	motion.parts().forNodes( part, nodes.count, [&]( int i ) {
@@ -73,12 +75,18 @@ void ImplicitBlock::restoreMomentum()
 	{
 		if ( contact.normalImpulse != 0.0 )
 		{
+			for ( const ContactSide& side : contact.side )
+			{
+				side.soft >= 0 ? void( m_connected[std::size_t( &connectedOf( side ) - m_connected.data() )].isPressed = true ) : void();
+			}
 			groups.join( indexOf( contact.side[0] ), indexOf( contact.side[1] ) );
 		}
 	}
 	for ( std::size_t p = 0; p < parts; ++p )
 	{
-		if ( soft[std::size_t( m_connected[p].soft )].motion->isHeld( m_connected[p].part ) )
+		// What no contact presses keeps its velocities of free flight where it steps explicitly.
+		const SoftPart& part = soft[std::size_t( m_connected[p].soft )];
+		if ( part.motion->isHeld( m_connected[p].part ) || ( part.touched && !m_connected[p].isPressed ) )
 		{
 			groups.join( std::uint32_t( 1 + p ), 0 );
 		}
@@ -98,20 +106,10 @@ void ImplicitBlock::restoreMomentum()
 				std::uint32_t( 1 + parts + std::size_t( whole.parts.front() ) ), std::uint32_t( 1 + parts + std::size_t( part ) ) );
 		}
 	}
-	// Groups in the order of their lowest member, each with its members in ascending order.
-	m_groupStart.assign( count + 1, 0 );
-	for ( std::uint32_t k = 0; k < count; ++k )
+	listGroups( groups, std::uint32_t( count ) );
+	for ( const SoftPart& part : soft )
 	{
-		++m_groupStart[groups.find( k ) + 1];
-	}
-	for ( std::size_t k = 0; k < count; ++k )
-	{
-		m_groupStart[k + 1] += m_groupStart[k];
-	}
-	m_groupMembers.resize( count );
-	for ( std::uint32_t k = 0; k < count; ++k )
-	{
-		m_groupMembers[m_groupStart[groups.find( k )]++] = k; // moves each start to the start of the next group
+		part.touched ? part.touched->store() : void();
 	}
 	for ( std::size_t group = 1; group < count; ++group )
 	{
@@ -122,6 +120,25 @@ void ImplicitBlock::restoreMomentum()
 	}
 }
 
+/// Lists the groups of `count` bodies in the order of their lowest member, each with its members in ascending order.
+void ImplicitBlock::listGroups( UnionFind& groups, std::uint32_t count )
+{
+	m_groupStart.assign( std::size_t( count ) + 1, 0 );
+	for ( std::uint32_t k = 0; k < count; ++k )
+	{
+		++m_groupStart[groups.find( k ) + 1];
+	}
+	for ( std::uint32_t k = 0; k < count; ++k )
+	{
+		m_groupStart[k + 1] += m_groupStart[k];
+	}
+	m_groupMembers.resize( count );
+	for ( std::uint32_t k = 0; k < count; ++k )
+	{
+		m_groupMembers[m_groupStart[groups.find( k )]++] = k; // moves each start to the start of the next group
+	}
+}
+
 /// Returns the body of index `k` as numbered in restoreMomentum.
 ImplicitBlock::MovingBody ImplicitBlock::movingBodyAt( std::uint32_t k )
 {
@@ -129,11 +146,14 @@ ImplicitBlock::MovingBody ImplicitBlock::movingBodyAt( std::uint32_t k )
 	if ( k <= m_connected.size() )
 	{
 		const ConnectedPart& own = m_connected[k - 1];
-		moving.motion = soft[std::size_t( own.soft )].motion;
-		moving.part = own.part;
-		moving.centre = moving.motion->nodes().origin + moving.motion->centre( own.part );
-		moving.mass = moving.motion->rigidMass( own.part );
-		moving.missingMomentum = moving.motion->missingMomentum( own.part );
+		SoftPart& part = soft[std::size_t( own.soft )];
+		// Few touched nodes have little inertia, and a friction that acts at the centres of two node spheres has a torque.
+		moving.motion = &wholeOf( part );
+		moving.part = part.touched ? moving.motion->parts().partOf( part.touched->firstOf( own.part ) ) : own.part;
+		moving.centre = moving.motion->nodes().origin + moving.motion->centre( moving.part );
+		moving.mass = moving.motion->rigidMass( moving.part );
+		moving.missingMomentum = movedTo(
+			moving.motion->centre( moving.part ), part.motion->missingMomentum( own.part ), part.motion->centre( own.part ) );
 		return moving;
 	}
 	moving.rigid = &rigid[k - 1 - m_connected.size()];
@@ -162,6 +182,11 @@ void ImplicitBlock::restoreMomentumOf( const std::uint32_t* begin, const std::ui
 		centre += moving.mass( 0, 0 ) * moving.centre;
 	}
 	centre /= mass;
+	if ( std::any_of( m_movingBodies.begin(), m_movingBodies.end(),
+			 []( const MovingBody& moving ) { return moving.motion && moving.motion->isHeld( moving.part ); } ) )
+	{
+		return; // held by a node that nothing touches
+	}
 
 	Matrix6 whole = Matrix6::Zero();
 	Vector6 missingMomentum = Vector6::Zero();
@@ -178,9 +203,7 @@ void ImplicitBlock::restoreMomentumOf( const std::uint32_t* begin, const std::ui
 		const Vector6 seen = seenFrom( moving.centre, motion, centre );
 		if ( moving.motion && isAttached )
 		{
-			const std::uint32_t connected = begin[&moving - m_movingBodies.data()] - 1;
-			NodeState& nodes = soft[std::size_t( m_connected[connected].soft )].owner->impl().body->nodes();
-			addToTheLastDigit( nodes, *moving.motion, moving.part, seen );
+			addToTheLastDigit( *moving.motion, moving.part, seen );
 		}
 		else if ( moving.motion )
 		{

@@ -1,5 +1,6 @@
 #include "world/implicit/implicit_solve.h"
 
+#include "body/touched_nodes.h"
 #include "threads/parallel.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
@@ -24,14 +25,30 @@ bool needsBlock( const SoftBody& body, const Attachments& attachments )
 		( !attachments.isEmpty() && attachments.contain( body ) );
 }
 
-/// Bodies that break or flow need the strain of their impacts; held ones and those in several parts have no rigid motion.
-bool bouncesAsRigid( const SoftBody& body )
+/// Bodies that break or flow need the strain of their impacts.
+bool isFarSofterThanSet( const SoftBody& body )
 {
 	const SoftBody::Impl& impl = body.impl();
 	const Material& material = body.material();
-	return !impl.isImplicit && !impl.plan.reachable && impl.plan.reachedModulus < kRestitutionReach * material.youngsModulus &&
-		material.method == Method::Lattice && material.yieldStrain == 0.0f && impl.body->fracture().rule == BreakRule::Never &&
-		!impl.body->implicit()->hasHeldNodes() && !impl.body->implicit()->parts().areSeveral();
+	return !impl.plan.reachable && impl.plan.reachedModulus < kRestitutionReach * material.youngsModulus &&
+		material.method == Method::Lattice && material.yieldStrain == 0.0f && impl.body->fracture().rule == BreakRule::Never;
+}
+
+/// Lets a body that steps explicitly take part by its touched nodes, or by all of them where it must bounce as rigid; held bodies and those
+/// in several parts have no rigid motion.
+void join( SoftBody& body, SoftPart& part )
+{
+	Body& own = *body.impl().body;
+	if ( isFarSofterThanSet( body ) )
+	{
+		part.motion = &own.joinFreely();
+		part.bouncesAsRigid = !part.motion->hasHeldNodes() && !part.motion->parts().areSeveral();
+	}
+	else
+	{
+		part.touched = &own.joinByContacts();
+		part.motion = &part.touched->motion();
+	}
 }
 
 } // namespace
@@ -140,10 +157,16 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake, const Attac
 		impl.blockPart = int( block.soft.size() );
 		SoftPart part;
 		part.owner = body;
-		part.motion = impl.isImplicit ? impl.body->implicit() : &impl.body->joinFreely();
 		part.velocityBefore = &impl.body->velocityBefore();
-		part.bouncesAsRigid = bouncesAsRigid( *body );
-		part.restitutionFraction = impl.isImplicit ? restitutionFraction( *body, m_h ) : 1.0;
+		if ( impl.isImplicit )
+		{
+			part.motion = impl.body->implicit();
+			part.restitutionFraction = restitutionFraction( *body, m_h );
+		}
+		else
+		{
+			join( *body, part );
+		}
 		block.soft.push_back( part );
 	}
 }

@@ -104,7 +104,7 @@ void SoftBody::Impl::archiveState( Archive& archive )
 	archive( shapeShift, mass, meanSquareSpeed, slowTime, restTime, isBroken, plan, elasticity, isImplicit, lastSubstep, isGuarded,
 		isHealthy, stateBefore, hasOwnGravity, gravity, centralForce, hasNodeForces, heldBefore, fractureVersion, separatedPairs, fading,
 		newCuts, partingPhases, placements, numbering, near, nodeAxes, rest, skin.tolerance );
-	archive( mustDeform, rigidWait, separatedAt, isKept, asleepTime, isScenery, partsWait, fieldAcceleration, scale );
+	archive( mustDeform, rigidWait, rigidPause, separatedAt, isKept, asleepTime, isScenery, partsWait, fieldAcceleration, scale );
 	archive.owned( forces, [] { return std::make_unique<SurfaceForces>(); } );
 	bool tellsContacts = contactRecords != nullptr;
 	archive( tellsContacts );

@@ -230,6 +230,7 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 			const double newPart = impl.restTime > kLoadRest ? std::min( double( gameStep ) / kMeanLoadTime, 1.0 ) : 1.0;
 			load.mean += newPart * ( load.now - load.mean );
 			load.impulse = 0.0;
+			impl.rigidWait -= impl.rigidWait <= 0 && impl.rigidWait > -kBrieflyRigid ? 1 : 0;
 			continue;
 		}
 		if ( body->material().rigidStrain <= 0.0f || !moves( *body ) || --impl.rigidWait > 0 )

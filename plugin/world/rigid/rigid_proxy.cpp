@@ -4,6 +4,8 @@
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"
 
+#include <algorithm>
+
 namespace pliant {
 
 namespace {
@@ -107,7 +109,8 @@ void SoftBody::Impl::becomeDeformable( SoftBody& owner )
 	rigidProxy.reset();
 	body->becomeDeformable();
 	placeShape( owner );
-	rigidWait = kRigidPause;
+	rigidPause = rigidWait > -kBrieflyRigid && restTime > 0.0 ? std::min( 2 * rigidPause, kLongestRigidPause ) : kRigidPause;
+	rigidWait = rigidPause;
 	mustDeform = false;
 }
 

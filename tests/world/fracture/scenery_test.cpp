@@ -21,7 +21,7 @@ struct Heap
 	SoftBody* body = nullptr;
 	int settled = 0;
 
-	explicit Heap( float settleTime, float rigidStrain = 0.005f )
+	explicit Heap( float settleTime, float rigidStrain = 0.005f, btScalar turn = btScalar( 0.3 ) )
 	{
 		test.add( 0, new btStaticPlaneShape( btVector3( 0, 1, 0 ), 0 ), at( 0, 0, 0 ) );
 		DebrisBudget budget;
@@ -30,7 +30,7 @@ struct Heap
 		Material material = stiff( 2e6f );
 		material.rigidStrain = rigidStrain;
 		body = test.addSoft( block( 6, 6, 6, 0.1f ),
-			btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.3 ) ), btVector3( 0, btScalar( 0.6 ), 0 ) ), material );
+			btTransform( btQuaternion( btVector3( 0, 0, 1 ), turn ), btVector3( 0, btScalar( 0.6 ), 0 ) ), material );
 		Fracture fracture;
 		fracture.rule = BreakRule::Shards;
 		fracture.breakStrain = 0.01f;
@@ -124,15 +124,19 @@ TEST( Scenery, ADynamicPieceMovesAgainAndKeptOnesNeverSettle )
 }
 
 // Two pieces lean on each other, and the load on one of them moves by more than its rigid state bears: it changed its state every few
-// steps, each change woke both, and they never slept.
+// steps, each change woke both, and they never slept. In other heaps a piece rose on the one below while it was rigid, since hulls do not
+// reach into the hollows between spheres, deformed for want of load, sank back and became rigid again.
 TEST( Scenery, PiecesSleepThoughLoadsMoveBetweenThem )
 {
-	Heap heap( 0 );
-	heap.run( 600 );
-	EXPECT_EQ( heap.awake(), 0 );
-	EXPECT_FALSE( heap.body->isActive() );
-	EXPECT_EQ( heap.settled, 0 ) << "without a settle time nothing settles";
-	EXPECT_EQ( heap.test.world.stepReport().debrisPieces, int( heap.pieces().size() ) );
+	for ( const btScalar turn : { btScalar( 0.3 ), btScalar( 0.35 ), btScalar( 0.47 ) } )
+	{
+		Heap heap( 0, 0.005f, turn );
+		heap.run( 720 );
+		EXPECT_EQ( heap.awake(), 0 ) << turn;
+		EXPECT_FALSE( heap.body->isActive() ) << turn;
+		EXPECT_EQ( heap.settled, 0 ) << "without a settle time nothing settles";
+		EXPECT_EQ( heap.test.world.stepReport().debrisPieces, int( heap.pieces().size() ) );
+	}
 }
 
 TEST( Scenery, IsPartOfASnapshot )

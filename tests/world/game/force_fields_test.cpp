@@ -139,7 +139,13 @@ TEST( Water, WhatSleepsFeelsANewLevelWhenItIsWoken )
 	EXPECT_FALSE( cube->isActive() ) << "a change wakes nothing by itself";
 	water.wake();
 	t.run( 600 );
-	EXPECT_NEAR( cube->massCentre().y(), 0, 0.03 );
+	btScalar mean = 0; // it still bobs
+	for ( int frame = 0; frame < 300; ++frame )
+	{
+		t.run( 1 );
+		mean += cube->massCentre().y() / 300;
+	}
+	EXPECT_NEAR( mean, 0, 0.03 );
 }
 
 // --- wind -------------------------------------------------------------------------------------------------------------------
