@@ -95,6 +95,28 @@ const Vec3d& ImplicitBlock::angularVelocityOf( const ContactSide& side )
 	return part.angularVelocity[std::size_t( motion.parts().partOf( side.node ) )];
 }
 
+double ImplicitBlock::rollingLag( const BlockContact& contact, double h )
+{
+	double sum = 0.0;
+	for ( int k = 0; k < 2; ++k )
+	{
+		const ContactSide& side = contact.side[k];
+		if ( side.soft < 0 )
+		{
+			continue;
+		}
+		const SoftBody::Impl& impl = soft[std::size_t( side.soft )].owner->impl();
+		const double radius = impl.surfaceNow().rollingRadius(
+			impl.body->nodes(), side.node, k == 0 ? Vec3d( -contact.normal ) : contact.normal );
+		if ( radius > 0.0 )
+		{
+			const Vec3d& turn = angularVelocityOf( side );
+			sum += 0.5 * h * radius * ( turn - turn.dot( contact.normal ) * contact.normal ).squaredNorm();
+		}
+	}
+	return sum;
+}
+
 Vec3d ImplicitBlock::velocityBefore( const BlockContact& contact ) const
 {
 	Vec3d velocity[2];

@@ -157,8 +157,10 @@ public:
 	void clear();
 	/// Returns the relative velocity at a contact without contact impulses and elastic forces, m/s.
 	Vec3d freeVelocity( const BlockContact& contact ) const;
-	/// Returns the angular velocity of the connected part that a node belongs to, rad/s.
-	const Vec3d& angularVelocityOf( const ContactSide& side );
+	/// Returns the speed, m/s, at which a rolling surface recedes from the contact: nodes move along chords, so in a step of h a sphere of
+	/// radius R and angular velocity w comes ( h w )^2 R / 2 nearer to the ground than its touching point does. Without this correction a
+	/// rolling body sinks and is lifted again, which costs energy.
+	double rollingLag( const BlockContact& contact, double h );
 	/// Returns the momentum and the angular momentum that a link has through its multibody's motion; `velocity( part )` gives that of a
 	/// part.
 	template <class Velocity>
@@ -249,6 +251,8 @@ private:
 	void precondition( const float* r, float* z ) override;
 	void moved( float by ) override;
 
+	/// Returns the angular velocity of the connected part that a node belongs to, rad/s.
+	const Vec3d& angularVelocityOf( const ContactSide& side );
 	void layOut();
 	void compact();
 	/// Returns the system of all nodes of a body; its rigid motions alone may be used.

@@ -166,31 +166,6 @@ Vec3d distributeOnSurface(
 	return position;
 }
 
-/// Returns the speed, m/s, at which a rolling surface recedes from the contact: nodes move along chords, so in a step of h a sphere of
-/// radius R and angular velocity w comes ( h w )^2 R / 2 nearer to the ground than its touching point does. Without this correction a
-/// rolling body sinks and is lifted again, which costs energy.
-double rollingLag( const ContactProxy* const ( &nodes )[2], const BlockContact& contact, ImplicitBlock& block, double h )
-{
-	double sum = 0.0;
-	for ( int side = 0; side < 2; ++side )
-	{
-		const ContactSide& own = contact.side[side];
-		if ( own.soft < 0 )
-		{
-			continue;
-		}
-		const SoftBody::Impl& impl = nodes[side]->owner->impl();
-		const double radius = impl.surfaceNow().rollingRadius(
-			impl.body->nodes(), own.node, side == 0 ? Vec3d( -contact.normal ) : contact.normal );
-		if ( radius > 0.0 )
-		{
-			const Vec3d angularVelocity = block.angularVelocityOf( own );
-			sum += 0.5 * h * radius * ( angularVelocity - angularVelocity.dot( contact.normal ) * contact.normal ).squaredNorm();
-		}
-	}
-	return sum;
-}
-
 /// Mass of a contact's side, kg; infinite for prescribed velocities.
 double massOf( const ContactSide& side, const ImplicitBlock& block )
 {
@@ -214,6 +189,13 @@ double restitutionOf( const BlockContact& contact, const ImplicitBlock& block )
 		}
 	}
 	return restitution;
+}
+
+/// Whether one of the bodies bounces as rigid: until it separates, it needs the restitution that a touching contact no longer has.
+bool hasRigidBounce( const BlockContact& contact, const ImplicitBlock& block )
+{
+	return std::any_of( std::begin( contact.side ), std::end( contact.side ),
+		[&block]( const ContactSide& side ) { return side.soft >= 0 && block.soft[std::size_t( side.soft )].bouncesAsRigid; } );
 }
 
 /// Velocity after a step of h in which a body bounces that begins it at a gap d above the surface with the velocity u, m/s: that with which
@@ -331,8 +313,9 @@ void ImplicitContacts::gatherFrom(
 			continue;
 		}
 		contact.friction = double( point.m_combinedFriction );
-		contact.restitution = double(
-			point.m_appliedImpulse > 0 ? gCalculateCombinedRestitutionCallback( objects[0], objects[1] ) : point.m_combinedRestitution );
+		contact.restitution = double( point.m_appliedImpulse > 0 && hasRigidBounce( contact, blocks[std::size_t( block )] )
+				? gCalculateCombinedRestitutionCallback( objects[0], objects[1] )
+				: point.m_combinedRestitution );
 		setFrictionScale( objects, contact, blocks[std::size_t( block )] );
 		contact.point = &point;
 		contact.normalImpulse = double( point.m_appliedImpulse );
@@ -340,7 +323,7 @@ void ImplicitContacts::gatherFrom(
 			double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
 		ImplicitBlock& own = blocks[std::size_t( block )];
 		contact.velocityBefore = own.velocityBefore( contact );
-		const double rolling = contact.isDrawn ? rollingLag( nodes, contact, own, double( info.m_timeStep ) ) : 0.0;
+		const double rolling = contact.isDrawn ? own.rollingLag( contact, double( info.m_timeStep ) ) : 0.0;
 		setTarget( contact, info, -contact.normal.dot( own.freeVelocity( contact ) ), rolling, slopOf( contact, objects, own ), own );
 		blocks[std::size_t( block )].contacts.push_back( contact );
 		++m_count;
