@@ -4,7 +4,6 @@
 
 #include "world/touch/round_surface.h"
 
-#include "body/implicit_motion.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 
@@ -18,7 +17,7 @@ bool useRoundSpheres( const SoftBody& a, const SoftBody& b )
 	const auto isRound = []( const SoftBody& body ) {
 		const SoftBody::Impl& impl = body.impl();
 		// Fragments have faces that fit into each other cell by cell.
-		return impl.isImplicit && impl.body->implicit() && !impl.body->levels() && !impl.family && impl.fractureVersion == 0 &&
+		return !body.isStaticOrKinematicObject() && !impl.body->levels() && !impl.family && impl.fractureVersion == 0 &&
 			!impl.isMetAsDrawn();
 	};
 	return &a != &b && isRound( a ) && isRound( b );

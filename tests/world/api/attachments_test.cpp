@@ -296,7 +296,8 @@ TEST( Attachments, SurviveFracture )
 		test.soft.clear();
 		for ( int k = test.world.softBodyCount() - 1; k >= 0; --k )
 		{
-			test.world.removeSoftBody( test.world.softBody( k ) );
+			const std::unique_ptr<SoftBody> fragment( test.world.softBody( k ) ); // the game's once it is removed
+			test.world.removeSoftBody( fragment.get() );
 		}
 		EXPECT_EQ( test.world.attachmentCount(), 0 );
 		test.run( 2 );

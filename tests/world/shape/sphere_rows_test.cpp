@@ -6,6 +6,7 @@
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/search/node_search.h"
+#include "world/touch/round_surface.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
@@ -245,11 +246,20 @@ TEST_P( SphereRowsOf, TwoBodiesFindTheNodesThatMeet )
 			{
 				MovingSphere sphere = movingSphere( *soft[0], a );
 				sphere.displacement -= kSubstep * others.v.get( b ).cast<double>();
+				Vec3d at = others.x.get( b ).cast<double>() - apart;
+				double radius = double( soft[1]->impl().shape->sphereOfNode( b )->getRadius() );
+				if ( useRoundSpheres( *soft[0], *soft[1] ) )
+				{
+					const Vec3d between = at - sphere.centre;
+					const RoundSphere one = roundSphere( *soft[0], a, between ), other = roundSphere( *soft[1], b, -between );
+					sphere.centre += one.inwards;
+					sphere.radius += one.inwards.norm();
+					at += other.inwards;
+					radius += other.inwards.norm();
+				}
 				Touch touch;
 				const bool collide = soft[0]->impl().shape->childOfNode( a ) >= 0 && soft[1]->impl().shape->childOfNode( b ) >= 0;
-				if ( collide &&
-					findBallTouch( double( soft[1]->impl().shape->sphereOfNode( b )->getRadius() ),
-						others.x.get( b ).cast<double>() - apart, sphere, touch ) )
+				if ( collide && findBallTouch( radius, at, sphere, touch ) )
 				{
 					expected.push_back( std::uint64_t( a ) << 32 | std::uint32_t( b ) );
 				}
