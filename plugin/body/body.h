@@ -227,7 +227,7 @@ public:
 	TouchedNodes& joinByContacts();
 	/// Measures the rigid motions of such a body, in `implicit()`.
 	ImplicitMotion& measureRigidMotions();
-	/// Null before the first call of one of these two.
+	/// Null before the first call of pushImplicitly, joinFreely or measureRigidMotions.
 	ImplicitMotion* implicit() { return m_implicit.get(); }
 	/// Velocities at the start of the substep.
 	const Vec3Array& velocityBefore() const { return m_velocityBefore; }
@@ -338,8 +338,9 @@ private:
 	/// Whether its mean strain is invisible, and none is near to breaking it.
 	bool isHardlyStrained( const StrainSize& strain ) const;
 	/// The strain up to which a body that can break may be rigid; infinity where nothing of it can break but crumbs.
-	const ConnectedParts* matchedParts() const;
 	double rigidBreakStrain() const;
+	ImplicitMotion& madeImplicit();
+	const ConnectedParts* matchedParts() const;
 	void keepFiniteState();
 	void restoreFiniteState();
 

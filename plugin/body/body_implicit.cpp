@@ -89,13 +89,19 @@ float Body::largestRegionFraction() const
 	return canStepImplicitly() ? static_cast<const LatticeMatcher&>( *m_matcher ).tables().largestRateFraction : 1.0f;
 }
 
-// Matching first, from the velocities of the last substep, then forces: the order of the explicit step.
-void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner* runner )
+ImplicitMotion& Body::madeImplicit()
 {
 	if ( !m_implicit )
 	{
 		m_implicit = std::make_unique<ImplicitMotion>();
 	}
+	return *m_implicit;
+}
+
+// Matching first, from the velocities of the last substep, then forces: the order of the explicit step.
+void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner* runner )
+{
+	madeImplicit();
 	const std::size_t padded = std::size_t( m_nodes.padded );
 	m_pushed.resize( 3 * padded );
 	keepVelocities( runner );
@@ -146,17 +152,17 @@ void Body::respond( const float* impulse, float* velocity, TaskRunner* runner )
 
 ImplicitMotion& Body::joinFreely()
 {
-	m_implicit = m_implicit ? std::move( m_implicit ) : std::make_unique<ImplicitMotion>();
-	m_implicit->beginFree( m_nodes );
-	m_implicit->measureFree( matchedParts() );
-	return *m_implicit;
+	ImplicitMotion& motion = madeImplicit();
+	motion.beginFree( m_nodes );
+	motion.measureFree( matchedParts() );
+	return motion;
 }
 
 ImplicitMotion& Body::measureRigidMotions()
 {
-	m_implicit = m_implicit ? std::move( m_implicit ) : std::make_unique<ImplicitMotion>();
-	m_implicit->measureRigid( m_nodes, matchedParts() );
-	return *m_implicit;
+	ImplicitMotion& motion = madeImplicit();
+	motion.measureRigid( m_nodes, matchedParts() );
+	return motion;
 }
 
 TouchedNodes& Body::joinByContacts()

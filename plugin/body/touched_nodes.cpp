@@ -1,7 +1,5 @@
 #include "body/touched_nodes.h"
 
-#include <algorithm>
-
 namespace pliant {
 
 void TouchedNodes::begin( NodeState& nodes, const Vec3Array& velocityBefore, const ConnectedParts* parts )
@@ -29,7 +27,7 @@ int TouchedNodes::add( int node )
 	return index;
 }
 
-// Parts in the order of their first touched nodes, as ConnectedParts has them; a body without touched nodes has none.
+// Parts in the order of their first touched nodes; none where no node is touched.
 void TouchedNodes::listParts()
 {
 	const std::uint32_t none = ~std::uint32_t( 0 );
@@ -98,13 +96,6 @@ void TouchedNodes::store()
 	{
 		m_all->v.set( m_touched[k], m_nodes.v.get( int( k ) ) );
 	}
-}
-
-std::size_t TouchedNodes::bytes() const
-{
-	const std::size_t floats = 11 * std::size_t( m_nodes.padded );
-	return floats * sizeof( float ) + m_parts.bytes() + m_motion.bytes() + m_index.size() * sizeof( int ) +
-		m_touched.size() * sizeof( int ) + m_partIndex.size() * sizeof( std::uint32_t );
 }
 
 } // namespace pliant

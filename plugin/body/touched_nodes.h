@@ -27,7 +27,6 @@ public:
 	ImplicitMotion& motion() { return m_motion; }
 	/// Velocities of the touched nodes at the start of the substep, m/s.
 	const Vec3Array& velocityBefore() const { return m_before; }
-	std::size_t bytes() const;
 
 private:
 	void listParts();

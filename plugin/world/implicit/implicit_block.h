@@ -254,6 +254,7 @@ private:
 	/// Returns the angular velocity of the connected part that a node belongs to, rad/s.
 	const Vec3d& angularVelocityOf( const ContactSide& side );
 	void layOut();
+	/// Numbers the nodes of contacts as the system has them from here on.
 	void compact();
 	/// Returns the system of all nodes of a body; its rigid motions alone may be used.
 	static ImplicitMotion& wholeOf( SoftPart& part );

@@ -10,7 +10,6 @@
 
 namespace pliant {
 
-/// From here on the nodes of contacts are numbered as the system has them.
 void ImplicitBlock::compact()
 {
 	for ( BlockContact& contact : contacts )
