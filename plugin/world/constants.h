@@ -138,7 +138,7 @@ inline constexpr double kBounceShare = 0.5;
 /// elasticity. There is no mean of the two: a body that is stopped half-way rebounds by neither.
 inline constexpr float kRestitutionReach = 0.5f;
 
-/// Energy added by an implicit block's contacts, relative to all they transfer, that counts as rounding error; ends that iteration too.
+/// Energy added by a block's contacts, relative to all they transfer, that counts as rounding error; ends that iteration too.
 inline constexpr double kBounceSlack = 1e-4;
 /// The normal impulses of a rolling body's contacts are changed by at most this fraction, so that all of them still press.
 inline constexpr double kMostRollingShift = 0.9;

@@ -4,9 +4,9 @@
 
 #include "twin_worlds.h"
 
+#include "world/block/block_contacts.h"
+#include "world/block/block_reach.h"
 #include "world/constants.h"
-#include "world/implicit/implicit_contacts.h"
-#include "world/implicit/implicit_reach.h"
 #include "world/joints/attachments.h"
 
 #include <BulletDynamics/Character/btKinematicCharacterController.h>
@@ -370,7 +370,7 @@ TEST( LargeIslands, TakePartUpToTheLimitNearestFirst )
 	{
 		LadenCube scene( count );
 		scene.t.run( 20 ); // after ten the plate is falling away from many of them;
-		ImplicitReach reach;
+		BlockReach reach;
 		reach.choose( scene.t.parts.dispatcher, Attachments(), OneBlock(), 1 );
 		int taking = 0;
 		for ( const btRigidBody* box : scene.boxes )

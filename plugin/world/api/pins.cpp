@@ -127,7 +127,7 @@ bool SoftBody::isPinned( int node ) const
 
 void SoftBodySystem::releasePinsTo( const btRigidBody& body )
 {
-	for ( ImplicitSolve& solve : m_implicit )
+	for ( BlockSolve& solve : m_implicit )
 	{
 		solve.forget( body );
 	}

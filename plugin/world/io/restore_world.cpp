@@ -321,7 +321,7 @@ void WorldSnapshot::restoreValues()
 	m_bodies.group = m_group;
 	for ( int pass = 0; pass < 2; ++pass )
 	{
-		ImplicitSolve::Carried carried;
+		BlockSolve::Carried carried;
 		carried.hadBlocks = m_values.hadBlocks[pass];
 		for ( const OutsideRecord& outside : m_values.outside[pass] )
 		{

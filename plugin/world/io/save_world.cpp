@@ -164,7 +164,7 @@ void WorldSnapshot::collectValues()
 	m_values.nextAttachment = m_bodies.attachments.nextId();
 	for ( int pass = 0; pass < 2; ++pass )
 	{
-		const ImplicitSolve::Carried carried = m_bodies.m_implicit[pass].carried();
+		const BlockSolve::Carried carried = m_bodies.m_implicit[pass].carried();
 		m_values.hadBlocks[pass] = carried.hadBlocks;
 		for ( const OutsideImpulse& outside : carried.outside )
 		{

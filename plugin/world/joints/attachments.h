@@ -1,7 +1,7 @@
 #pragma once
 
-// The attachments of a world. Each end is a point of a soft body, moved by up to four of its nodes, or of a rigid body. The implicit block
-// of the island solves them as bilateral contacts (implicit_attachments.cpp); explicit bodies take part with their masses.
+// The attachments of a world. Each end is a point of a soft body, moved by up to four of its nodes, or of a rigid body. The block
+// of the island solves them as bilateral contacts (block_attachments.cpp); explicit bodies take part with their masses.
 
 #include "lattice/lattice.h"
 #include "pliant/attachment.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-// The coarse level of an implicit block's preconditioner (implicit_block.h): a small symmetric system in which the contacts of an island
+// The coarse level of a block's preconditioner (island_block.h): a small symmetric system in which the contacts of an island
 // act on whole bodies, 6 unknowns per rigid body and 12 per soft one (its affine motions). Without it the floor's support would propagate
 // through a stack by one contact per product.
 

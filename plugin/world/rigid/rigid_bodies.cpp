@@ -138,7 +138,7 @@ bool SoftBodySystem::hasFrame( const SoftBody& body ) const
 
 void SoftBodySystem::deform( SoftBody& body )
 {
-	for ( ImplicitSolve& solve : m_implicit )
+	for ( BlockSolve& solve : m_implicit )
 	{
 		solve.forget( *body.impl().rigidProxy );
 	}

@@ -6,13 +6,13 @@
 #include "pliant/soft_body.h"
 #include "pliant/step_report.h"
 #include "pliant/task_runner.h"
+#include "world/block/block_solve.h"
+#include "world/block/implicit_choice.h"
 #include "world/bodies/skin_scratch_pool.h"
 #include "world/detect/node_algorithm.h"
 #include "world/detect/node_contacts.h"
 #include "world/game/contact_records.h"
 #include "world/game/force_fields.h"
-#include "world/implicit/implicit_choice.h"
-#include "world/implicit/implicit_solve.h"
 #include "world/joints/attachments.h"
 #include "world/joints/frames.h"
 #include "world/respond/tunneling_guard.h"
@@ -188,7 +188,7 @@ private:
 	void leaveScenery( SoftBody& body );
 	bool hasFrame( const SoftBody& body ) const;
 	void keepDrawn(); ///< keeps the drawing from which SoftBody::setInterpolation blends
-	ImplicitSolve& implicitSolve() { return m_implicit[int( m_pass )]; }
+	BlockSolve& implicitSolve() { return m_implicit[int( m_pass )]; }
 	/// Returns the number of substeps that the body takes in the game step.
 	int substepsOf( const SoftBody& body ) const;
 	bool stepsImplicitly( const SoftBody& body ) const;
@@ -246,7 +246,7 @@ private:
 	std::shared_ptr<AlgorithmTable> m_algorithms; ///< null while there is no soft body
 	std::vector<SoftBody*> m_bodies;              ///< ascending by serial
 	std::vector<ContactProxy*> m_predictive;
-	ImplicitSolve m_implicit[2]; ///< by pass
+	BlockSolve m_implicit[2]; ///< by pass
 	TunnelingGuard m_guard;
 	ImplicitChoice m_choice;
 	std::vector<SoftBody*> m_awake;              ///< in this substep, deformable

@@ -82,7 +82,7 @@ TEST( Collision, OfTwoSoftBodiesKeepsSpinForAnyFriction )
 	}
 }
 
-// An implicit body between two explicit ones makes their mutual contact part of an implicit block, with friction in two directions. When it
+// An implicit body between two explicit ones makes their mutual contact part of a block, with friction in two directions. When it
 // leaves, Bullet's solver with one direction must not reuse the other direction's impulse for the angular momentum correction.
 TEST( Collision, KeepsSpinWhereAnImplicitBodyLeavesTwoExplicitOnes )
 {

@@ -4,8 +4,8 @@
 #include "world/test_world.h"
 
 #include "body/touched_nodes.h"
+#include "world/block/island_block.h"
 #include "world/bodies/soft_body_impl.h"
-#include "world/implicit/implicit_block.h"
 
 #include <random>
 
@@ -42,7 +42,7 @@ struct Cubes
 	}
 
 	/// Adds a contact of two bodies, or of one with the world, that up to two nodes share on each side.
-	void touch( ImplicitBlock& system, int first, int second, std::minstd_rand& random ) const
+	void touch( IslandBlock& system, int first, int second, std::minstd_rand& random ) const
 	{
 		std::uniform_real_distribution<double> spread( -1.0, 1.0 );
 		BlockContact contact;
@@ -72,7 +72,7 @@ struct Cubes
 	/// Solves random contacts, and returns the velocities of all nodes.
 	std::vector<Vec3> solve( bool onlyTouched, int fixedContacts, int contacts )
 	{
-		ImplicitBlock system;
+		IslandBlock system;
 		for ( SoftBody* body : bodies )
 		{
 			Body& own = *body->impl().body;

@@ -1,9 +1,9 @@
 #pragma once
 
-// Converts Bullet's manifolds to the contacts of implicit blocks and back: positions, friction, restitution and the last substep's impulses
+// Converts Bullet's manifolds to the contacts of blocks and back: positions, friction, restitution and the last substep's impulses
 // are read from the contact points, and the solved impulses are written to them for callers. docs/design/implicit.md.
 
-#include "world/implicit/implicit_block.h"
+#include "world/block/island_block.h"
 
 #include <LinearMath/btScalar.h>
 
@@ -30,33 +30,33 @@ public:
 	/// Returns the block of the island with Bullet's tag; -1: none.
 	virtual int blockOfIsland( int tag ) const = 0;
 	virtual int softPart( const SoftBody& body ) const = 0;
-	/// Returns true if the block moves a rigid body of its island (implicit_reach.h).
+	/// Returns true if the block moves a rigid body of its island (block_reach.h).
 	virtual bool takesPart( int block, const btCollisionObject& rigid ) const = 0;
 	/// Returns the part of a movable rigid body or link in a block, creating it if necessary; -1 for a link that is held.
 	virtual int rigidPart( int block, btCollisionObject& object ) = 0;
 };
 
-/// Gathers the contacts that implicit blocks solve, and hides them from Bullet's solver.
-class ImplicitContacts
+/// Gathers the contacts that blocks solve, and hides them from Bullet's solver.
+class BlockContacts
 {
 public:
 	/// Adds the contacts of all manifolds with a node of a block's body or with two rigid bodies of its island, and hides the manifolds.
-	void gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<ImplicitBlock>& blocks );
+	void gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<IslandBlock>& blocks );
 	/// Adds the attachments of the blocks' bodies. `h` in s.
-	void gatherAttachments( Attachments& attachments, double h, BlockLookup& lookup, std::deque<ImplicitBlock>& blocks );
+	void gatherAttachments( Attachments& attachments, double h, BlockLookup& lookup, std::deque<IslandBlock>& blocks );
 	/// Stores the forces of a block's attachments.
-	static void storeForces( const ImplicitBlock& block, Attachments& attachments );
+	static void storeForces( const IslandBlock& block, Attachments& attachments );
 	/// Writes the impulses to the contact points.
-	static void writeBack( ImplicitBlock& block );
+	static void writeBack( IslandBlock& block );
 	/// Writes the impulses that the next substep starts from.
-	static void carryImpulses( ImplicitBlock& block );
+	static void carryImpulses( IslandBlock& block );
 	/// Makes the hidden manifolds visible to Bullet again.
 	void unhide();
 	int count() const { return m_count; }
 
 private:
 	void gatherFrom(
-		btPersistentManifold& manifold, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<ImplicitBlock>& blocks );
+		btPersistentManifold& manifold, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<IslandBlock>& blocks );
 	ContactSide sideOf( const btCollisionObject& object, int block, BlockLookup& lookup, const Vec3d& at ) const;
 
 	struct Hidden

@@ -1,7 +1,7 @@
-// One pass over the linearised system of an implicit block: its initial residual and its stopping criterion.
+// One pass over the linearised system of a block: its initial residual and its stopping criterion.
 
+#include "world/block/island_block.h"
 #include "world/constants.h"
-#include "world/implicit/implicit_block.h"
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@ namespace pliant {
 
 // Costs one product per substep; from then on the iteration reports each change of M v (`moved`). Updated from the full residual, contact
 // terms included, it would be too inaccurate in float for stiff bodies: bullets would rebound at .63 of their speed instead of .8.
-void ImplicitBlock::fillFree()
+void IslandBlock::fillFree()
 {
 	applyMasses( m_v.data(), m_free.data() );
 	for ( const SoftPart& part : soft )
@@ -40,7 +40,7 @@ void ImplicitBlock::fillFree()
 }
 
 // Called at the start of a pass and again before its final stretch, because the residual kept by the iteration drifts from the true one.
-void ImplicitBlock::beginIteration()
+void IslandBlock::beginIteration()
 {
 	AlignedArray<float>& residual = m_scratch;
 	residual = m_freeNext;
@@ -63,7 +63,7 @@ void ImplicitBlock::beginIteration()
 // The impulses must be accurate, and their error is k times that of the velocities. The criterion is r . z, twice the energy of the error:
 // it must fall below the energy of an error of kImpulseError in every impulse, sum of ( kImpulseError jn )^2 / k. Without contacts the
 // velocities must be accurate to kGradientSpeed.
-double ImplicitBlock::energyLeft() const
+double IslandBlock::energyLeft() const
 {
 	double stored = 0.0;
 	for ( const BlockContact& contact : contacts )
@@ -76,7 +76,7 @@ double ImplicitBlock::energyLeft() const
 							: std::clamp( needed, atSpeed( kContactGradientSpeed ), atSpeed( kMostContactGradientSpeed ) );
 }
 
-void ImplicitBlock::iterate( double fraction, BlockCount& count )
+void IslandBlock::iterate( double fraction, BlockCount& count )
 {
 	count.products += m_gradients.iterate( *this, m_next.data(), GradientLimits{ fraction, energyLeft(), kMostGradients } );
 	readImpulses( m_next.data() );

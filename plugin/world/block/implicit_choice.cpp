@@ -1,4 +1,4 @@
-#include "world/implicit/implicit_choice.h"
+#include "world/block/implicit_choice.h"
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"

@@ -1,9 +1,9 @@
-#include "world/implicit/implicit_reach.h"
+#include "world/block/block_reach.h"
 
+#include "world/block/block_contacts.h"
 #include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
-#include "world/implicit/implicit_contacts.h"
 #include "world/joints/attachments.h"
 #include "world/shape/contact_proxy.h"
 
@@ -33,7 +33,7 @@ unsigned char& flagAt( std::vector<unsigned char>& flags, int index )
 
 } // namespace
 
-void ImplicitReach::addBody( const btCollisionObject& rigid, int block, bool touchesSoft )
+void BlockReach::addBody( const btCollisionObject& rigid, int block, bool touchesSoft )
 {
 	const int index = rigid.getWorldArrayIndex();
 	unsigned char& isKnown = flagAt( m_isKnown, index );
@@ -47,7 +47,7 @@ void ImplicitReach::addBody( const btCollisionObject& rigid, int block, bool tou
 	}
 }
 
-void ImplicitReach::addManifold( const btPersistentManifold& manifold, const BlockLookup& lookup )
+void BlockReach::addManifold( const btPersistentManifold& manifold, const BlockLookup& lookup )
 {
 	const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
 	const SoftBody *const softA = ownerOfContactProxy( &a ), *const softB = ownerOfContactProxy( &b );
@@ -75,7 +75,7 @@ void ImplicitReach::addManifold( const btPersistentManifold& manifold, const Blo
 }
 
 // Adds the bodies that touch those already taking part, in the order of the manifolds, up to the limit. Returns false if none was added.
-bool ImplicitReach::addRing()
+bool BlockReach::addRing()
 {
 	constexpr unsigned char kTaken = 1, kNext = 2;
 	m_next.clear();
@@ -100,7 +100,7 @@ bool ImplicitReach::addRing()
 }
 
 // Breadth first: the bodies that touch a soft body, then those that touch them, and so on.
-void ImplicitReach::choose( btDispatcher& dispatcher, const Attachments& attachments, const BlockLookup& lookup, int blocks )
+void BlockReach::choose( btDispatcher& dispatcher, const Attachments& attachments, const BlockLookup& lookup, int blocks )
 {
 	std::fill( m_takesPart.begin(), m_takesPart.end(), static_cast<unsigned char>( 0 ) );
 	std::fill( m_isKnown.begin(), m_isKnown.end(), static_cast<unsigned char>( 0 ) );
@@ -125,7 +125,7 @@ void ImplicitReach::choose( btDispatcher& dispatcher, const Attachments& attachm
 	{}
 }
 
-bool ImplicitReach::takesPart( int block, const btCollisionObject& rigid ) const
+bool BlockReach::takesPart( int block, const btCollisionObject& rigid ) const
 {
 	const int index = rigid.getWorldArrayIndex();
 	// Soft bodies in their rigid state often lie in heaps: those that touch a deformable body take part, the others do not.

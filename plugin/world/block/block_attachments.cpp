@@ -1,13 +1,13 @@
-// Attachments as bilateral contacts of an implicit block, with the same law along the normal and across it:
+// Attachments as bilateral contacts of a block, with the same law along the normal and across it:
 //
 //   j = l + k ( b - u ),   b = - r e / h,   e the distance of the two points, u the relative velocity, r = kAttachmentReturn
 //
 // with the last substep's impulse l as the multiplier, so that b is reached even for small k. With a compliance c it is a damped spring
 // instead: l = 0, k = h^2 / c and b = - e / h give j = - h ( e + h u ) / c, the impulse of the spring force at the end of the step.
 
+#include "world/block/block_solve.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
-#include "world/implicit/implicit_solve.h"
 #include "world/joints/attachments.h"
 
 #include <algorithm>
@@ -40,7 +40,7 @@ bool isExplicit( const ContactSide& side, const AttachedPoint& point )
 
 } // namespace
 
-void ImplicitContacts::gatherAttachments( Attachments& attachments, double h, BlockLookup& lookup, std::deque<ImplicitBlock>& blocks )
+void BlockContacts::gatherAttachments( Attachments& attachments, double h, BlockLookup& lookup, std::deque<IslandBlock>& blocks )
 {
 	for ( Attachment& attachment : attachments.all() )
 	{
@@ -87,13 +87,13 @@ void ImplicitContacts::gatherAttachments( Attachments& attachments, double h, Bl
 		contact.target = contact.targetWithoutBounce = targetVelocity.dot( contact.normal );
 		contact.tangentTarget = targetVelocity - contact.target * contact.normal;
 		contact.timeStep = h;
-		ImplicitBlock& own = blocks[std::size_t( block )];
+		IslandBlock& own = blocks[std::size_t( block )];
 		contact.velocityBefore = own.velocityBefore( contact );
 		own.contacts.push_back( contact );
 	}
 }
 
-void ImplicitContacts::storeForces( const ImplicitBlock& block, Attachments& attachments )
+void BlockContacts::storeForces( const IslandBlock& block, Attachments& attachments )
 {
 	for ( const BlockContact& contact : block.contacts )
 	{

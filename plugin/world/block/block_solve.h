@@ -3,9 +3,9 @@
 // The implicit part of a substep: one block per island that has a body with Elasticity::Implicit, solved before Bullet's own solver, which
 // handles joints and the remaining rigid contacts. docs/design/implicit.md.
 
-#include "world/implicit/implicit_contacts.h"
-#include "world/implicit/implicit_reach.h"
-#include "world/implicit/moved_object.h"
+#include "world/block/block_contacts.h"
+#include "world/block/block_reach.h"
+#include "world/block/moved_object.h"
 
 #include <deque>
 #include <vector>
@@ -22,7 +22,7 @@ struct OutsideImpulse
 	unsigned stamp = 0;
 };
 
-class ImplicitSolve : private BlockLookup
+class BlockSolve : private BlockLookup
 {
 public:
 	/// Solves the blocks of the `awake` bodies, sets the velocities of nodes and rigid bodies, and hides the blocks' contacts from Bullet.
@@ -60,12 +60,12 @@ private:
 
 	void makeBlocks( const std::vector<SoftBody*>& awake, const Attachments& attachments );
 	OutsideImpulse& outsideOf( const btCollisionObject& object );
-	void storeVelocities( ImplicitBlock& block );
+	void storeVelocities( IslandBlock& block );
 
-	std::deque<ImplicitBlock> m_blocks; ///< grows only
-	std::vector<int> m_tagOf;           ///< island tag of each block
-	ImplicitReach m_reach;
-	ImplicitContacts m_contacts;
+	std::deque<IslandBlock> m_blocks; ///< grows only
+	std::vector<int> m_tagOf;         ///< island tag of each block
+	BlockReach m_reach;
+	BlockContacts m_contacts;
 	MovedObjects m_moved;
 	std::vector<OutsideImpulse> m_outside; ///< in order of first contact
 	BlockCount m_count;

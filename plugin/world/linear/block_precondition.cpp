@@ -1,8 +1,8 @@
-// The preconditioner of an implicit block: the diagonal and the clusters of nodes in contact (implicit_clusters.cpp), plus the coarse
+// The preconditioner of a block: the diagonal and the clusters of nodes in contact (block_clusters.cpp), plus the coarse
 // system (coarse_system.h) with 6 unknowns per rigid body and the 12 affine motions of each connected part of a soft body.
 
+#include "world/block/island_block.h"
 #include "world/bodies/soft_body_impl.h"
-#include "world/implicit/implicit_block.h"
 
 #include <algorithm>
 
@@ -75,7 +75,7 @@ void addCoarse( const CoarseSide& a, const CoarseSide& b, const Eigen::Matrix3d&
 } // namespace
 
 // k n n^T + kt S, with S = 1 - n n^T for isotropic friction.
-Eigen::Matrix3d ImplicitBlock::resistance( const BlockContact& contact ) const
+Eigen::Matrix3d IslandBlock::resistance( const BlockContact& contact ) const
 {
 	const Eigen::Matrix3d normalPart = contact.normal * contact.normal.transpose();
 	const Eigen::Matrix3d tangentPart = contact.frictionScale < 0 ? Eigen::Matrix3d( Eigen::Matrix3d::Identity() - normalPart )
@@ -83,7 +83,7 @@ Eigen::Matrix3d ImplicitBlock::resistance( const BlockContact& contact ) const
 	return contact.stiffness * normalPart + contact.tangentStiffness * tangentPart;
 }
 
-void ImplicitBlock::layOutCoarse()
+void IslandBlock::layOutCoarse()
 {
 	m_coarseSizes.clear();
 	for ( ConnectedPart& own : m_connected )
@@ -120,7 +120,7 @@ void ImplicitBlock::layOutCoarse()
 	m_coarse.layOut( m_coarseSizes, m_coarsePairs );
 }
 
-void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
+void IslandBlock::addToPreconditioner( const BlockContact& contact )
 {
 	const Eigen::Matrix3d contactResistance = resistance( contact );
 	addToClusters( contact, contactResistance );
@@ -164,7 +164,7 @@ void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
 }
 
 // Removes the locked axes of a rigid body from the coarse system.
-void ImplicitBlock::lockAxes( const RigidPart& part, int body )
+void IslandBlock::lockAxes( const RigidPart& part, int body )
 {
 	for ( int k = 0; k < 6; ++k )
 	{
@@ -191,7 +191,7 @@ void ImplicitBlock::lockAxes( const RigidPart& part, int body )
 	}
 }
 
-void ImplicitBlock::fillPreconditioner()
+void IslandBlock::fillPreconditioner()
 {
 	beginClusters();
 	m_coarse.clear();
@@ -229,7 +229,7 @@ void ImplicitBlock::fillPreconditioner()
 	invertClusters();
 }
 
-void ImplicitBlock::precondition( const float* r, float* z )
+void IslandBlock::precondition( const float* r, float* z )
 {
 	std::fill( z, z + m_size, 0.0f );
 	for ( const SoftPart& part : soft )

@@ -1,8 +1,8 @@
-#include "world/implicit/implicit_contacts.h"
+#include "world/block/block_contacts.h"
 
+#include "world/block/moved_object.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
-#include "world/implicit/moved_object.h"
 #include "world/touch/round_surface.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
@@ -88,7 +88,7 @@ Eigen::Matrix3d rootOfScales( const btCollisionObject& object )
 }
 
 /// Sets S of a contact if either object has anisotropic friction; with common axes it is the product of their scales.
-void setFrictionScale( const btCollisionObject* const ( &objects )[2], BlockContact& contact, ImplicitBlock& block )
+void setFrictionScale( const btCollisionObject* const ( &objects )[2], BlockContact& contact, IslandBlock& block )
 {
 	if ( !objects[0]->hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) &&
 		!objects[1]->hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
@@ -167,7 +167,7 @@ Vec3d distributeOnSurface(
 }
 
 /// Mass of a contact's side, kg; infinite for prescribed velocities.
-double massOf( const ContactSide& side, const ImplicitBlock& block )
+double massOf( const ContactSide& side, const IslandBlock& block )
 {
 	return side.soft >= 0 ? double( block.soft[std::size_t( side.soft )].owner->mass() )
 		: side.rigid >= 0 ? block.rigid[std::size_t( side.rigid )].mass
@@ -175,7 +175,7 @@ double massOf( const ContactSide& side, const ImplicitBlock& block )
 }
 
 /// Combined restitution, less where a body rebounds from a heavy object by its own elasticity.
-double restitutionOf( const BlockContact& contact, const ImplicitBlock& block )
+double restitutionOf( const BlockContact& contact, const IslandBlock& block )
 {
 	double restitution = double( contact.point->m_combinedRestitution );
 	for ( int k = 0; restitution > 0.0 && k < 2; ++k )
@@ -192,7 +192,7 @@ double restitutionOf( const BlockContact& contact, const ImplicitBlock& block )
 }
 
 /// Whether one of the bodies bounces as rigid: until it separates, it needs the restitution that a touching contact no longer has.
-bool hasRigidBounce( const BlockContact& contact, const ImplicitBlock& block )
+bool hasRigidBounce( const BlockContact& contact, const IslandBlock& block )
 {
 	return std::any_of( std::begin( contact.side ), std::end( contact.side ),
 		[&block]( const ContactSide& side ) { return side.soft >= 0 && block.soft[std::size_t( side.soft )].bouncesAsRigid; } );
@@ -214,7 +214,7 @@ double bounceVelocity( double restitution, double impact, double gap, double acc
 
 /// Depth, m, to which a contact may penetrate without being pushed out: of nodes that step explicitly, which nothing but wobble damping
 /// would bring to rest again. Characters push as far as they walk.
-double slopOf( const BlockContact& contact, const btCollisionObject* const ( &objects )[2], const ImplicitBlock& block )
+double slopOf( const BlockContact& contact, const btCollisionObject* const ( &objects )[2], const IslandBlock& block )
 {
 	double slop = 0.0;
 	for ( int k = 0; k < 2; ++k )
@@ -234,10 +234,10 @@ double slopOf( const BlockContact& contact, const btCollisionObject* const ( &ob
 }
 
 /// Sets b, the target separation speed: before touch it closes the gap within the step, in penetration it pushes out, and with restitution
-/// it bounces off the velocity at the start of the substep (implicit_restitution.cpp). `approach`: approach speed without contacts and
+/// it bounces off the velocity at the start of the substep (block_restitution.cpp). `approach`: approach speed without contacts and
 /// elasticity, m/s. `rollingLag`, m/s, is added. Penetrations to `slop`, m, remain.
 void setTarget(
-	BlockContact& contact, const btContactSolverInfo& info, double approach, double rollingLag, double slop, const ImplicitBlock& block )
+	BlockContact& contact, const btContactSolverInfo& info, double approach, double rollingLag, double slop, const IslandBlock& block )
 {
 	const btManifoldPoint& point = *contact.point;
 	const double h = double( info.m_timeStep ), gap = double( point.m_distance1 );
@@ -256,8 +256,8 @@ void setTarget(
 
 } // namespace
 
-void ImplicitContacts::gather(
-	btDispatcher& dispatcher, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<ImplicitBlock>& blocks )
+void BlockContacts::gather(
+	btDispatcher& dispatcher, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<IslandBlock>& blocks )
 {
 	m_count = 0;
 	m_hidden.clear();
@@ -267,8 +267,8 @@ void ImplicitContacts::gather(
 	}
 }
 
-void ImplicitContacts::gatherFrom(
-	btPersistentManifold& manifold, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<ImplicitBlock>& blocks )
+void BlockContacts::gatherFrom(
+	btPersistentManifold& manifold, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<IslandBlock>& blocks )
 {
 	const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
 	const ContactProxy* const nodes[2] = { asProxy( objects[0] ), asProxy( objects[1] ) };
@@ -321,7 +321,7 @@ void ImplicitContacts::gatherFrom(
 		contact.normalImpulse = double( point.m_appliedImpulse );
 		contact.tangentImpulse = double( point.m_appliedImpulseLateral1 ) * toVec3d( point.m_lateralFrictionDir1 ) +
 			double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
-		ImplicitBlock& own = blocks[std::size_t( block )];
+		IslandBlock& own = blocks[std::size_t( block )];
 		contact.velocityBefore = own.velocityBefore( contact );
 		const double rolling = contact.isDrawn ? own.rollingLag( contact, double( info.m_timeStep ) ) : 0.0;
 		setTarget( contact, info, -contact.normal.dot( own.freeVelocity( contact ) ), rolling, slopOf( contact, objects, own ), own );
@@ -330,7 +330,7 @@ void ImplicitContacts::gatherFrom(
 	}
 }
 
-ContactSide ImplicitContacts::sideOf( const btCollisionObject& object, int block, BlockLookup& lookup, const Vec3d& at ) const
+ContactSide BlockContacts::sideOf( const btCollisionObject& object, int block, BlockLookup& lookup, const Vec3d& at ) const
 {
 	ContactSide side;
 	if ( const ContactProxy* node = asProxy( &object ) )
@@ -365,7 +365,7 @@ ContactSide ImplicitContacts::sideOf( const btCollisionObject& object, int block
 	return side;
 }
 
-void ImplicitContacts::writeBack( ImplicitBlock& block )
+void BlockContacts::writeBack( IslandBlock& block )
 {
 	for ( BlockContact& contact : block.contacts )
 	{
@@ -380,7 +380,7 @@ void ImplicitContacts::writeBack( ImplicitBlock& block )
 	}
 }
 
-void ImplicitContacts::carryImpulses( ImplicitBlock& block )
+void BlockContacts::carryImpulses( IslandBlock& block )
 {
 	for ( const BlockContact& contact : block.contacts )
 	{
@@ -391,7 +391,7 @@ void ImplicitContacts::carryImpulses( ImplicitBlock& block )
 	}
 }
 
-void ImplicitContacts::unhide()
+void BlockContacts::unhide()
 {
 	for ( const Hidden& hidden : m_hidden )
 	{

@@ -1,4 +1,4 @@
-// The contact law of an implicit block, linearised at given velocities.
+// The contact law of a block, linearised at given velocities.
 //
 //   jn = max( 0, ln + k ( b - u.n ) ),   ln the impulse of the last substep
 //   jt = s ( lt - ks ut ),   s = min( 1, mu jn / | lt - ks ut | ),   ks = min( k, mu jn / u_eps )
@@ -10,8 +10,8 @@
 // Anisotropic friction (btCollisionObject::setAnisotropicFriction): the same law yields t, of length mu jn at most, and jt = S t. S holds
 // the objects' scales in their own axes, without the normal. Sliding along t is resisted by mu jn S t, as in Bullet's solver.
 
+#include "world/block/island_block.h"
 #include "world/constants.h"
-#include "world/implicit/implicit_block.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -59,7 +59,7 @@ Law lawAt( const BlockContact& contact, const Vec3d& u, double press )
 
 } // namespace
 
-Vec3d ImplicitBlock::freeVelocity( const BlockContact& contact ) const
+Vec3d IslandBlock::freeVelocity( const BlockContact& contact ) const
 {
 	Vec3d velocity[2];
 	for ( int k = 0; k < 2; ++k )
@@ -79,7 +79,7 @@ Vec3d ImplicitBlock::freeVelocity( const BlockContact& contact ) const
 	return velocity[0] - velocity[1];
 }
 
-const Vec3d& ImplicitBlock::angularVelocityOf( const ContactSide& side )
+const Vec3d& IslandBlock::angularVelocityOf( const ContactSide& side )
 {
 	SoftPart& part = soft[std::size_t( side.soft )];
 	const ImplicitMotion& motion = wholeOf( part );
@@ -95,7 +95,7 @@ const Vec3d& ImplicitBlock::angularVelocityOf( const ContactSide& side )
 	return part.angularVelocity[std::size_t( motion.parts().partOf( side.node ) )];
 }
 
-double ImplicitBlock::rollingLag( const BlockContact& contact, double h )
+double IslandBlock::rollingLag( const BlockContact& contact, double h )
 {
 	double sum = 0.0;
 	for ( int k = 0; k < 2; ++k )
@@ -117,7 +117,7 @@ double ImplicitBlock::rollingLag( const BlockContact& contact, double h )
 	return sum;
 }
 
-Vec3d ImplicitBlock::velocityBefore( const BlockContact& contact ) const
+Vec3d IslandBlock::velocityBefore( const BlockContact& contact ) const
 {
 	Vec3d velocity[2];
 	for ( int k = 0; k < 2; ++k )
@@ -138,7 +138,7 @@ Vec3d ImplicitBlock::velocityBefore( const BlockContact& contact ) const
 }
 
 // Returns the last substep's impulse t from the stored S t; components that S suppresses are zero.
-Vec3d ImplicitBlock::unscaledTangentImpulse( const BlockContact& contact ) const
+Vec3d IslandBlock::unscaledTangentImpulse( const BlockContact& contact ) const
 {
 	if ( contact.frictionScale < 0 )
 	{
@@ -151,7 +151,7 @@ Vec3d ImplicitBlock::unscaledTangentImpulse( const BlockContact& contact ) const
 }
 
 // k is a multiple of the nodes' own resistance: large enough for a small error at first contact, and small enough for good conditioning.
-void ImplicitBlock::chooseStiffness()
+void IslandBlock::chooseStiffness()
 {
 	for ( BlockContact& contact : contacts )
 	{
@@ -191,7 +191,7 @@ void ImplicitBlock::chooseStiffness()
 // resistance, so after a partial step or for a new contact the law's impulse is ten times too large or more and would stop light objects.
 // New contacts therefore have no friction in the first pass, and contacts that were active keep their limits after an unphysical pass, up
 // to kMostFairPasses: limits that are too high can themselves keep passes unphysical.
-void ImplicitBlock::linearise( const float* v, int passes )
+void IslandBlock::linearise( const float* v, int passes )
 {
 	const bool isFirst = passes == 0, keeps = !isFirst && passes < kMostFairPasses && isUnphysical();
 	for ( BlockContact& contact : contacts )
@@ -210,7 +210,7 @@ void ImplicitBlock::linearise( const float* v, int passes )
 	listActive();
 }
 
-ImplicitBlock::Match ImplicitBlock::matchAt( const float* v )
+IslandBlock::Match IslandBlock::matchAt( const float* v )
 {
 	double normalError = 0.0, totalNormal = 0.0, tangentError = 0.0, totalLimit = 0.0;
 	m_partErrors.assign( soft.size() + rigid.size(), PartError{} );
@@ -247,7 +247,7 @@ ImplicitBlock::Match ImplicitBlock::matchAt( const float* v )
 
 // Contacts that pull while they approach add energy, and so does excessive friction on bouncing objects. A small error in friction, with
 // which most last passes end, does not.
-bool ImplicitBlock::isUnphysical() const
+bool IslandBlock::isUnphysical() const
 {
 	double pull = 0.0, press = 0.0, tangent = 0.0, limit = 0.0;
 	for ( const BlockContact& contact : contacts )
@@ -264,7 +264,7 @@ bool ImplicitBlock::isUnphysical() const
 }
 
 // Uses the linearised law, not the law at v: impulses that belong to no solved system would add energy.
-void ImplicitBlock::readImpulses( const float* v )
+void IslandBlock::readImpulses( const float* v )
 {
 	for ( BlockContact& contact : contacts )
 	{
@@ -278,7 +278,7 @@ void ImplicitBlock::readImpulses( const float* v )
 
 // With fixed friction secants the minimised energy is convex and piecewise quadratic. Returns the fraction t of the step d with the lowest
 // energy, where slope( t ) = d.( M v - b ) + t d.M d - sum over contacts of ( jn n + jt ).u( d ) is zero.
-double ImplicitBlock::lowestFraction( double slope, double curvature ) const
+double IslandBlock::lowestFraction( double slope, double curvature ) const
 {
 	const auto slopeAt = [&]( double t ) {
 		double sum = slope + t * curvature;
@@ -302,7 +302,7 @@ double ImplicitBlock::lowestFraction( double slope, double curvature ) const
 	return low;
 }
 
-double ImplicitBlock::stepTowards()
+double IslandBlock::stepTowards()
 {
 	AlignedArray<float>&d = m_scratch, &change = m_rightSide; // step in v, and in M v
 	for ( int k = 0; k < m_size; ++k )

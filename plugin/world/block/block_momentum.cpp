@@ -1,8 +1,8 @@
 // Restores the momentum that the truncated iteration loses.
 
 #include "body/touched_nodes.h"
+#include "world/block/island_block.h"
 #include "world/bodies/soft_body_impl.h"
-#include "world/implicit/implicit_block.h"
 
 #include "lattice/union_find.h"
 
@@ -62,7 +62,7 @@ void addToTheLastDigit( ImplicitMotion& motion, int part, const Vector6& added )
 
 // The iteration is truncated and runs in float. The missing momentum of each group of touching bodies without a fixed one is added to the
 // whole group as one rigid motion; added to light members alone it would throw them. Connected parts of a soft body are separate bodies.
-void ImplicitBlock::restoreMomentum()
+void IslandBlock::restoreMomentum()
 {
 	const std::size_t parts = m_connected.size(), count = 1 + parts + rigid.size(); // 0: the fixed group
 	UnionFind groups( count );
@@ -121,7 +121,7 @@ void ImplicitBlock::restoreMomentum()
 }
 
 /// Lists the groups of `count` bodies in the order of their lowest member, each with its members in ascending order.
-void ImplicitBlock::listGroups( UnionFind& groups, std::uint32_t count )
+void IslandBlock::listGroups( UnionFind& groups, std::uint32_t count )
 {
 	m_groupStart.assign( std::size_t( count ) + 1, 0 );
 	for ( std::uint32_t k = 0; k < count; ++k )
@@ -140,7 +140,7 @@ void ImplicitBlock::listGroups( UnionFind& groups, std::uint32_t count )
 }
 
 /// Returns the body of index `k` as numbered in restoreMomentum.
-ImplicitBlock::MovingBody ImplicitBlock::movingBodyAt( std::uint32_t k )
+IslandBlock::MovingBody IslandBlock::movingBodyAt( std::uint32_t k )
 {
 	MovingBody moving;
 	if ( k <= m_connected.size() )
@@ -170,7 +170,7 @@ ImplicitBlock::MovingBody ImplicitBlock::movingBodyAt( std::uint32_t k )
 	return moving;
 }
 
-void ImplicitBlock::restoreMomentumOf( const std::uint32_t* begin, const std::uint32_t* end )
+void IslandBlock::restoreMomentumOf( const std::uint32_t* begin, const std::uint32_t* end )
 {
 	double mass = 0.0;
 	Vec3d centre = Vec3d::Zero();

@@ -1,4 +1,4 @@
-#include "world/implicit/implicit_block.h"
+#include "world/block/island_block.h"
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
@@ -7,7 +7,7 @@
 
 namespace pliant {
 
-void ImplicitBlock::clear()
+void IslandBlock::clear()
 {
 	soft.clear();
 	rigid.clear();
@@ -16,7 +16,7 @@ void ImplicitBlock::clear()
 	frictionScales.clear();
 }
 
-Vec3d ImplicitBlock::velocityOf( const ContactSide& side, const Vec3d& normal, const float* v ) const
+Vec3d IslandBlock::velocityOf( const ContactSide& side, const Vec3d& normal, const float* v ) const
 {
 	if ( side.soft >= 0 )
 	{
@@ -36,18 +36,18 @@ Vec3d ImplicitBlock::velocityOf( const ContactSide& side, const Vec3d& normal, c
 	return Vec3d::Zero();
 }
 
-Vec3d ImplicitBlock::changeAt( const BlockContact& contact, const float* v ) const
+Vec3d IslandBlock::changeAt( const BlockContact& contact, const float* v ) const
 {
 	return velocityOf( contact.side[0], contact.normal, v ) - velocityOf( contact.side[1], contact.normal, v );
 }
 
-Vec3d ImplicitBlock::relativeVelocity( const BlockContact& contact, const float* v ) const
+Vec3d IslandBlock::relativeVelocity( const BlockContact& contact, const float* v ) const
 {
 	return ( velocityOf( contact.side[0], contact.normal, v ) + contact.side[0].prescribedVelocity ) -
 		( velocityOf( contact.side[1], contact.normal, v ) + contact.side[1].prescribedVelocity );
 }
 
-void ImplicitBlock::addImpulse( const ContactSide& side, const Vec3d& normal, const Vec3d& impulse, float* to ) const
+void IslandBlock::addImpulse( const ContactSide& side, const Vec3d& normal, const Vec3d& impulse, float* to ) const
 {
 	if ( side.soft >= 0 )
 	{
@@ -77,13 +77,13 @@ void ImplicitBlock::addImpulse( const ContactSide& side, const Vec3d& normal, co
 	}
 }
 
-void ImplicitBlock::addPair( const BlockContact& contact, const Vec3d& impulse, float* to ) const
+void IslandBlock::addPair( const BlockContact& contact, const Vec3d& impulse, float* to ) const
 {
 	addImpulse( contact.side[0], contact.normal, impulse, to );
 	addImpulse( contact.side[1], contact.normal, -impulse, to );
 }
 
-void ImplicitBlock::applyMasses( const float* v, float* to )
+void IslandBlock::applyMasses( const float* v, float* to )
 {
 	for ( const SoftPart& part : soft )
 	{
@@ -110,7 +110,7 @@ void ImplicitBlock::applyMasses( const float* v, float* to )
 	std::fill( to + used, to + m_size, 0.0f );
 }
 
-void ImplicitBlock::listActive()
+void IslandBlock::listActive()
 {
 	m_active.clear();
 	for ( const BlockContact& contact : contacts )
@@ -204,7 +204,7 @@ void addForce( const ActiveContact::Side& side, const double ( &normal )[3], con
 
 } // namespace
 
-void ImplicitBlock::apply( const float* v, float* to )
+void IslandBlock::apply( const float* v, float* to )
 {
 	applyMasses( v, m_massProduct.data() );
 	std::copy( m_massProduct.begin(), m_massProduct.begin() + m_size, to );
@@ -245,7 +245,7 @@ void ImplicitBlock::apply( const float* v, float* to )
 }
 
 // The contact terms of a product grow with stiffness and cancel each other, so the residual without contacts is kept separately.
-void ImplicitBlock::moved( float by )
+void IslandBlock::moved( float by )
 {
 	for ( int k = 0; k < m_size; ++k )
 	{
@@ -253,13 +253,13 @@ void ImplicitBlock::moved( float by )
 	}
 }
 
-bool ImplicitBlock::isIdle() const
+bool IslandBlock::isIdle() const
 {
 	return contacts.empty() && rigid.empty() &&
 		std::none_of( soft.begin(), soft.end(), []( const SoftPart& part ) { return part.motion->isElastic(); } );
 }
 
-BlockCount ImplicitBlock::solve( TaskRunner* runner )
+BlockCount IslandBlock::solve( TaskRunner* runner )
 {
 	BlockCount count;
 	if ( isIdle() )
@@ -282,7 +282,7 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 }
 
 // A pass is solved to full accuracy only once it is known to be the last: which contacts change is known long before convergence.
-void ImplicitBlock::solveLaw( BlockCount& count )
+void IslandBlock::solveLaw( BlockCount& count )
 {
 	int passes = 0;
 	linearise( m_v.data(), 0 );
@@ -320,7 +320,7 @@ void ImplicitBlock::solveLaw( BlockCount& count )
 	count.passes += passes;
 }
 
-bool ImplicitBlock::mayStop( int passes )
+bool IslandBlock::mayStop( int passes )
 {
 	const Match match = matchAt( m_next.data() );
 	const bool isSettled = match.all && match.each;
@@ -328,7 +328,7 @@ bool ImplicitBlock::mayStop( int passes )
 		( passes >= kMostPasses && !isUnphysical() && ( match.each || passes >= kMostFairPasses ) );
 }
 
-void ImplicitBlock::readSolution()
+void IslandBlock::readSolution()
 {
 	for ( SoftPart& part : soft )
 	{

@@ -1,10 +1,10 @@
-#include "world/implicit/implicit_solve.h"
+#include "world/block/block_solve.h"
 
 #include "body/touched_nodes.h"
 #include "threads/parallel.h"
+#include "world/block/implicit_choice.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
-#include "world/implicit/implicit_choice.h"
 #include "world/joints/attachments.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
@@ -53,7 +53,7 @@ void join( SoftBody& body, SoftPart& part )
 
 } // namespace
 
-int ImplicitSolve::blockOf( const SoftBody& body ) const
+int BlockSolve::blockOf( const SoftBody& body ) const
 {
 	// A sleeping body keeps an index that another body may have now.
 	const int block = body.impl().block;
@@ -63,18 +63,18 @@ int ImplicitSolve::blockOf( const SoftBody& body ) const
 	return isMember ? block : -1;
 }
 
-int ImplicitSolve::blockOfIsland( int tag ) const
+int BlockSolve::blockOfIsland( int tag ) const
 {
 	const auto found = std::find( m_tagOf.begin(), m_tagOf.end(), tag );
 	return tag < 0 || found == m_tagOf.end() ? -1 : int( found - m_tagOf.begin() );
 }
 
-int ImplicitSolve::softPart( const SoftBody& body ) const
+int BlockSolve::softPart( const SoftBody& body ) const
 {
 	return body.impl().blockPart;
 }
 
-int ImplicitSolve::rigidPart( int block, btCollisionObject& object )
+int BlockSolve::rigidPart( int block, btCollisionObject& object )
 {
 	std::vector<RigidPart>& parts = m_blocks[std::size_t( block )].rigid;
 	for ( std::size_t k = 0; k < parts.size(); ++k )
@@ -105,7 +105,7 @@ int ImplicitSolve::rigidPart( int block, btCollisionObject& object )
 	return int( parts.size() ) - 1;
 }
 
-OutsideImpulse& ImplicitSolve::outsideOf( const btCollisionObject& object )
+OutsideImpulse& BlockSolve::outsideOf( const btCollisionObject& object )
 {
 	for ( OutsideImpulse& outside : m_outside )
 	{
@@ -118,14 +118,14 @@ OutsideImpulse& ImplicitSolve::outsideOf( const btCollisionObject& object )
 	return m_outside.back();
 }
 
-void ImplicitSolve::forget( const btCollisionObject& object )
+void BlockSolve::forget( const btCollisionObject& object )
 {
 	std::erase_if( m_outside, [&]( const OutsideImpulse& outside ) { return outside.object == &object; } );
 }
 
 // Makes one block per island with a deformable body. Bodies that step explicitly take part with their masses: their elastic forces are
 // those of their own step.
-void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake, const Attachments& attachments )
+void BlockSolve::makeBlocks( const std::vector<SoftBody*>& awake, const Attachments& attachments )
 {
 	m_tagOf.clear();
 	for ( const SoftBody* body : awake )
@@ -139,7 +139,7 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake, const Attac
 	{
 		m_blocks.emplace_back();
 	}
-	for ( ImplicitBlock& block : m_blocks )
+	for ( IslandBlock& block : m_blocks )
 	{
 		block.clear();
 	}
@@ -153,7 +153,7 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake, const Attac
 			continue;
 		}
 		impl.block = int( found - m_tagOf.begin() );
-		ImplicitBlock& block = m_blocks[std::size_t( impl.block )];
+		IslandBlock& block = m_blocks[std::size_t( impl.block )];
 		impl.blockPart = int( block.soft.size() );
 		SoftPart part;
 		part.owner = body;
@@ -171,7 +171,7 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake, const Attac
 	}
 }
 
-void ImplicitSolve::before( const std::vector<SoftBody*>& awake, Attachments& attachments, const JointGroup::Joints& joints,
+void BlockSolve::before( const std::vector<SoftBody*>& awake, Attachments& attachments, const JointGroup::Joints& joints,
 	btDispatcher& dispatcher, const btContactSolverInfo& info, TaskRunner* runner )
 {
 	m_count = BlockCount{};
@@ -179,7 +179,7 @@ void ImplicitSolve::before( const std::vector<SoftBody*>& awake, Attachments& at
 	++m_stamp;
 	makeBlocks( awake, attachments );
 	std::for_each( m_blocks.begin(), m_blocks.end(),
-		[&]( ImplicitBlock& block ) { block.bounceThreshold = double( info.m_restitutionVelocityThreshold ); } );
+		[&]( IslandBlock& block ) { block.bounceThreshold = double( info.m_restitutionVelocityThreshold ); } );
 	const bool hadBlocks = m_hadBlocks;
 	m_hadBlocks = !m_tagOf.empty();
 	if ( m_tagOf.empty() )
@@ -217,13 +217,13 @@ void ImplicitSolve::before( const std::vector<SoftBody*>& awake, Attachments& at
 		m_count.passes = std::max( m_count.passes, counts[std::size_t( k )].passes );
 		m_count.products = std::max( m_count.products, counts[std::size_t( k )].products );
 		storeVelocities( m_blocks[std::size_t( k )] );
-		ImplicitContacts::writeBack( m_blocks[std::size_t( k )] );
-		ImplicitContacts::storeForces( m_blocks[std::size_t( k )], attachments );
+		BlockContacts::writeBack( m_blocks[std::size_t( k )] );
+		BlockContacts::storeForces( m_blocks[std::size_t( k )], attachments );
 	}
 }
 
 // Subtracts what Bullet's solver will add: the forces, and the expected impulses of joints and rigid contacts.
-void ImplicitSolve::storeVelocities( ImplicitBlock& block )
+void BlockSolve::storeVelocities( IslandBlock& block )
 {
 	for ( RigidPart& part : block.rigid )
 	{
@@ -247,7 +247,7 @@ void ImplicitSolve::storeVelocities( ImplicitBlock& block )
 	}
 }
 
-void ImplicitSolve::after()
+void BlockSolve::after()
 {
 	m_contacts.unhide();
 	for ( std::size_t k = 0; k < m_tagOf.size(); ++k )
@@ -265,11 +265,11 @@ void ImplicitSolve::after()
 	}
 }
 
-void ImplicitSolve::carryImpulses()
+void BlockSolve::carryImpulses()
 {
 	for ( std::size_t k = 0; k < m_tagOf.size(); ++k )
 	{
-		ImplicitContacts::carryImpulses( m_blocks[k] );
+		BlockContacts::carryImpulses( m_blocks[k] );
 	}
 }
 

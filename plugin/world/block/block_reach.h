@@ -1,6 +1,6 @@
 #pragma once
 
-// Chooses the rigid bodies of an island that its implicit block solves: all of a small island; in a large one those nearest to its soft
+// Chooses the rigid bodies of an island that its block solves: all of a small island; in a large one those nearest to its soft
 // bodies by number of contacts, because the block's coarse system grows with them. Bullet solves the contacts of the others.
 
 #include <vector>
@@ -15,7 +15,7 @@ class BlockLookup;
 
 class Attachments;
 
-class ImplicitReach
+class BlockReach
 {
 public:
 	/// Chooses from the current contacts. `blocks`: the number of blocks.

@@ -1,14 +1,14 @@
 // Keeps contacts from braking the rotation of rolling bodies.
 
+#include "world/block/island_block.h"
 #include "world/constants.h"
-#include "world/implicit/implicit_block.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace pliant {
 
-Vec3d ImplicitBlock::velocityOfCentre( const SoftPart& part, const float* v ) const
+Vec3d IslandBlock::velocityOfCentre( const SoftPart& part, const float* v ) const
 {
 	const NodeState& nodes = part.motion->nodes();
 	Vec3d sum = Vec3d::Zero();
@@ -26,7 +26,7 @@ Vec3d ImplicitBlock::velocityOfCentre( const SoftPart& part, const float* v ) co
 
 // Of the contacts in m_pressing, without sliding friction, and of the numerical damping of the part: sigma alpha v . ( 1 - P ) v, where the
 // residual without contacts has the product that this takes.
-double ImplicitBlock::energyTaken( const SoftPart& part ) const
+double IslandBlock::energyTaken( const SoftPart& part ) const
 {
 	double sum = 0.0;
 	for ( const std::size_t k : m_pressing )
@@ -50,7 +50,7 @@ double ImplicitBlock::energyTaken( const SoftPart& part ) const
 	return sum + part.motion->numericalPart() * std::max( 0.0, damped );
 }
 
-void ImplicitBlock::keepRolling()
+void IslandBlock::keepRolling()
 {
 	const auto bounces = []( const BlockContact& contact ) { return contact.bounces; };
 	for ( int k = 0; k < int( soft.size() ); ++k )
@@ -70,7 +70,7 @@ void ImplicitBlock::keepRolling()
 //   P' = P ( 1 + s ( u - um ) ),   u: separation velocity of the rigid motions, um: its mean weighted with P
 //
 // Sum P is unchanged, and so is the motion along a common normal: a falling body is stopped as before.
-void ImplicitBlock::keepRolling( int index )
+void IslandBlock::keepRolling( int index )
 {
 	const SoftPart& part = soft[std::size_t( index )];
 	m_pressing.clear();
@@ -119,7 +119,7 @@ void ImplicitBlock::keepRolling( int index )
 }
 
 // s from   s work + s^2 square / 2 = energy.
-void ImplicitBlock::shiftRolling( double energy, double work, double mean, double most )
+void IslandBlock::shiftRolling( double energy, double work, double mean, double most )
 {
 	respondRigidly();
 	const double square = dot( m_rightSide.data(), m_next.data(), m_size );

@@ -1,4 +1,4 @@
-#include "world/implicit/moved_object.h"
+#include "world/block/moved_object.h"
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
@@ -147,7 +147,7 @@ Vector6 MovedObjects::forceOf( const btCollisionObject& object, double h )
 	return force;
 }
 
-void MovedObjects::fillMobility( const ImplicitBlock& block, LinkedParts& whole )
+void MovedObjects::fillMobility( const IslandBlock& block, LinkedParts& whole )
 {
 	const auto linkOf = [&]( std::size_t k ) -> const btMultiBodyLinkCollider& {
 		return asLink( *block.rigid[std::size_t( whole.parts[k] )].object );
@@ -180,7 +180,7 @@ void MovedObjects::fillMobility( const ImplicitBlock& block, LinkedParts& whole 
 	whole.mass = ( 0.5 * ( whole.mass + whole.mass.transpose() ) ).eval();
 }
 
-void MovedObjects::measureLinks( ImplicitBlock& block )
+void MovedObjects::measureLinks( IslandBlock& block )
 {
 	for ( std::size_t p = 0; p < block.rigid.size(); ++p )
 	{
@@ -205,7 +205,7 @@ void MovedObjects::measureLinks( ImplicitBlock& block )
 	}
 }
 
-void MovedObjects::invertMobility( const ImplicitBlock& block, LinkedParts& whole )
+void MovedObjects::invertMobility( const IslandBlock& block, LinkedParts& whole )
 {
 	const double locked = whole.joints ? kLockedJointMobility : kLockedLinkMobility;
 	for ( std::size_t k = 0; k < whole.parts.size(); ++k )
@@ -219,7 +219,7 @@ void MovedObjects::invertMobility( const ImplicitBlock& block, LinkedParts& whol
 	whole.mass = ( 0.5 * ( whole.mass + whole.mass.transpose() ) ).eval();
 }
 
-void MovedObjects::measureJointed( ImplicitBlock& block, Attachments& attachments, const JointGroup::Joints& joints, double erp )
+void MovedObjects::measureJointed( IslandBlock& block, Attachments& attachments, const JointGroup::Joints& joints, double erp )
 {
 	std::vector<JointGroup::Load> loads;
 	std::vector<unsigned char> isJointed( block.rigid.size() );
@@ -270,7 +270,7 @@ void MovedObjects::measureJointed( ImplicitBlock& block, Attachments& attachment
 
 // Computed from the contacts' impulses. From velocities it would be inaccurate: a locked axis has a huge mass, which multiplies the
 // rounding errors of the velocity.
-void MovedObjects::moveJointed( const ImplicitBlock& block )
+void MovedObjects::moveJointed( const IslandBlock& block )
 {
 	for ( const LinkedParts& whole : block.linked )
 	{
@@ -308,7 +308,7 @@ void MovedObjects::move( const RigidPart& part, const Vector6& velocity )
 	body.setAngularVelocity( toBt( angular ) );
 }
 
-void MovedObjects::moveLinks( const ImplicitBlock& block )
+void MovedObjects::moveLinks( const IslandBlock& block )
 {
 	for ( const LinkedParts& whole : block.linked )
 	{

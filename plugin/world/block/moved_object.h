@@ -1,6 +1,6 @@
 #pragma once
 
-// Objects other than soft bodies that an implicit block moves: rigid bodies, and links of multibodies. The links of a multibody that take
+// Objects other than soft bodies that a block moves: rigid bodies, and links of multibodies. The links of a multibody that take
 // part have one mass matrix: the inverse of the velocities that impulses on each of them give to all,
 //
 //   K = ( W + epsilon D )^-1,   W = J M^-1 J^T,   D = diag( 1 / m, I^-1 ) of the links alone
@@ -9,7 +9,7 @@
 // hold: there epsilon makes a link very heavy. The impulses of motors, limits and contacts of other links are estimated from the last
 // substeps, as for a rigid body on a joint.
 
-#include "world/implicit/implicit_block.h"
+#include "world/block/island_block.h"
 #include "world/joints/joint_mobility.h"
 
 #include <LinearMath/btAlignedObjectArray.h>
@@ -34,22 +34,22 @@ public:
 	Vector6 velocityOf( const btCollisionObject& object );
 	/// Returns the velocity change within h, s, that Bullet's solver adds for applied forces; of a link zero: it counts as a joint's.
 	static Vector6 forceOf( const btCollisionObject& object, double h );
-	/// Fills ImplicitBlock::linked from its rigid parts that are links.
-	void measureLinks( ImplicitBlock& block );
+	/// Fills IslandBlock::linked from its rigid parts that are links.
+	void measureLinks( IslandBlock& block );
 	/// Sets a rigid body's velocity where its axes are free.
 	void move( const RigidPart& part, const Vector6& velocity );
-	/// Adds the rigid bodies on `joints` that have attachments to ImplicitBlock::linked.
-	void measureJointed( ImplicitBlock& block, Attachments& attachments, const JointGroup::Joints& joints, double erp );
+	/// Adds the rigid bodies on `joints` that have attachments to IslandBlock::linked.
+	void measureJointed( IslandBlock& block, Attachments& attachments, const JointGroup::Joints& joints, double erp );
 	/// Gives rigid bodies on joints, and the bodies that joints connect with them, the velocities of the block's solution.
-	static void moveJointed( const ImplicitBlock& block );
+	static void moveJointed( const IslandBlock& block );
 	/// Gives multibodies the impulses that the block's solution has for their links.
-	void moveLinks( const ImplicitBlock& block );
+	void moveLinks( const IslandBlock& block );
 
 private:
 	/// K of parts whose W is in `mass`.
-	static void invertMobility( const ImplicitBlock& block, LinkedParts& whole );
+	static void invertMobility( const IslandBlock& block, LinkedParts& whole );
 	/// W of the links' parts.
-	void fillMobility( const ImplicitBlock& block, LinkedParts& whole );
+	void fillMobility( const IslandBlock& block, LinkedParts& whole );
 	void fillJacobian( const btMultiBodyLinkCollider& link );
 	/// Writes the change of the multibody's velocities under an impulse and angular impulse at the link's centre to m_change.
 	void respond( const btMultiBodyLinkCollider& link, const Vector6& impulse );

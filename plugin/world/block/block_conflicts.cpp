@@ -3,8 +3,8 @@
 // carry over from substep to substep. Where no target is ever reached they would grow without bound and be released at once when the plate
 // leaves. The targets of such contacts are therefore moved to a compromise.
 
+#include "world/block/island_block.h"
 #include "world/constants.h"
-#include "world/implicit/implicit_block.h"
 
 #include <Eigen/Dense>
 
@@ -61,7 +61,7 @@ bool isSqueezed( const std::vector<BlockContact>& contacts )
 
 } // namespace
 
-void ImplicitBlock::reconcileTargets()
+void IslandBlock::reconcileTargets()
 {
 	m_prescribed.clear();
 	for ( std::size_t c = 0; c < contacts.size(); ++c )
@@ -91,7 +91,7 @@ void ImplicitBlock::reconcileTargets()
 // There is no conflict where some velocity satisfies all constraints and is not much larger than they require (between two walls that
 // almost face each other it would be). Otherwise the compromise minimises the squared violations, with a small weight on the objects' mean
 // velocity.
-void ImplicitBlock::reconcileTargets( std::size_t first, std::size_t end )
+void IslandBlock::reconcileTargets( std::size_t first, std::size_t end )
 {
 	const auto constraint = [this]( std::size_t k ) { return constraintOf( contacts[m_prescribed[k].contact], m_prescribed[k].side ); };
 	Vec3d mean = Vec3d::Zero();
@@ -157,7 +157,7 @@ void ImplicitBlock::reconcileTargets( std::size_t first, std::size_t end )
 // A block may also be squeezed with other bodies in between, so that no single node has conflicting contacts. A stuck contact there
 // violates its target in every substep without changing; its carried impulse decays. If that removes support, the body moves and the decay
 // ends.
-void ImplicitBlock::carryImpulses()
+void IslandBlock::carryImpulses()
 {
 	const bool isBlockSqueezed = isSqueezed( contacts );
 	for ( BlockContact& contact : contacts )

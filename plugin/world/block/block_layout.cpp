@@ -1,6 +1,6 @@
-// The layout of an implicit block's vectors, and the initial guess of its iteration.
+// The layout of a block's vectors, and the initial guess of its iteration.
 
-#include "world/implicit/implicit_block.h"
+#include "world/block/island_block.h"
 
 #include "body/touched_nodes.h"
 #include "world/bodies/soft_body_impl.h"
@@ -10,7 +10,7 @@
 
 namespace pliant {
 
-void ImplicitBlock::compact()
+void IslandBlock::compact()
 {
 	for ( BlockContact& contact : contacts )
 	{
@@ -34,7 +34,7 @@ void ImplicitBlock::compact()
 	}
 }
 
-ImplicitMotion& ImplicitBlock::wholeOf( SoftPart& part )
+ImplicitMotion& IslandBlock::wholeOf( SoftPart& part )
 {
 	if ( part.touched && !part.whole )
 	{
@@ -43,7 +43,7 @@ ImplicitMotion& ImplicitBlock::wholeOf( SoftPart& part )
 	return part.touched ? *part.whole : *part.motion;
 }
 
-void ImplicitBlock::layOut()
+void IslandBlock::layOut()
 {
 	compact();
 	m_size = 0;
@@ -85,7 +85,7 @@ void ImplicitBlock::layOut()
 	layOutCoarse();
 }
 
-void ImplicitBlock::listConnected()
+void IslandBlock::listConnected()
 {
 	m_connected.clear();
 	for ( std::size_t p = 0; p < soft.size(); ++p )
@@ -111,7 +111,7 @@ void ImplicitBlock::listConnected()
 // The initial guess is the velocities at the start of the substep; held nodes keep their prescribed ones. A body without contacts and held
 // nodes starts from the velocities of free flight, which solve the system if it is not strained. So does each connected part without
 // contacts and held nodes, and each node without contacts of a body that steps explicitly.
-void ImplicitBlock::startFrom( const SoftPart& part )
+void IslandBlock::startFrom( const SoftPart& part )
 {
 	const int padded = part.motion->padded();
 	const bool isFree = !part.motion->isElastic() || ( contacts.empty() && !part.motion->hasHeldNodes() );
@@ -141,7 +141,7 @@ void ImplicitBlock::startFrom( const SoftPart& part )
 	}
 }
 
-void ImplicitBlock::startFromBefore( const SoftPart& part, int node )
+void IslandBlock::startFromBefore( const SoftPart& part, int node )
 {
 	const Vec3 before = part.velocityBefore->get( node );
 	for ( int k = 0; part.motion->nodes().freedom[node] != 0.0f && k < 3; ++k )
@@ -150,7 +150,7 @@ void ImplicitBlock::startFromBefore( const SoftPart& part, int node )
 	}
 }
 
-void ImplicitBlock::registerNodeBlocks()
+void IslandBlock::registerNodeBlocks()
 {
 	std::for_each(
 		m_nodeBlocks.begin(), m_nodeBlocks.end(), [this]( const NodeBlock& named ) { m_blockOf[std::size_t( named.index )] = -1; } );
@@ -175,7 +175,7 @@ void ImplicitBlock::registerNodeBlocks()
 	}
 }
 
-int ImplicitBlock::registerNode( int part, int node )
+int IslandBlock::registerNode( int part, int node )
 {
 	const int index = soft[std::size_t( part )].offset + node;
 	int& block = m_blockOf[std::size_t( index )];

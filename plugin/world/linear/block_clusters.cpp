@@ -1,7 +1,7 @@
-// The dense part of an implicit block's preconditioner: each cluster of up to eight nodes coupled by contacts is one dense block. As
+// The dense part of a block's preconditioner: each cluster of up to eight nodes coupled by contacts is one dense block. As
 // separate 3 x 3 blocks, two nodes in contact would appear much stiffer than they are together.
 
-#include "world/implicit/implicit_block.h"
+#include "world/block/island_block.h"
 
 #include <algorithm>
 #include <type_traits>
@@ -75,7 +75,7 @@ void sweep( Matrix& a )
 } // namespace
 
 // Nodes without a cluster join that of the contact's other nodes if it has capacity; otherwise they form a new one.
-void ImplicitBlock::assignClusters( const BlockContact& contact )
+void IslandBlock::assignClusters( const BlockContact& contact )
 {
 	const ContactNodes nodes = nodesOf( contact );
 	int own = -1, unassigned = 0;
@@ -110,7 +110,7 @@ void ImplicitBlock::assignClusters( const BlockContact& contact )
 	}
 }
 
-void ImplicitBlock::beginClusters()
+void IslandBlock::beginClusters()
 {
 	int scratch = 0;
 	for ( Cluster& cluster : m_clusters )
@@ -131,7 +131,7 @@ void ImplicitBlock::beginClusters()
 }
 
 // Coupling between clusters is omitted, so each cluster stays positive definite.
-void ImplicitBlock::addToClusters( const BlockContact& contact, const Eigen::Matrix3d& contactResistance )
+void IslandBlock::addToClusters( const BlockContact& contact, const Eigen::Matrix3d& contactResistance )
 {
 	const ContactNodes nodes = nodesOf( contact );
 	// Correction along the normal for nodes whose weights differ between normal and tangential directions.
@@ -161,7 +161,7 @@ void ImplicitBlock::addToClusters( const BlockContact& contact, const Eigen::Mat
 }
 
 // Sums and inverts in double; the inverse is stored in float like the iteration's vectors.
-void ImplicitBlock::invertClusters()
+void IslandBlock::invertClusters()
 {
 	int scratch = 0;
 	for ( Cluster& cluster : m_clusters )
@@ -190,7 +190,7 @@ void ImplicitBlock::invertClusters()
 }
 
 template <int count>
-void ImplicitBlock::preconditionCluster( const Cluster& cluster, const float* r, float* z ) const
+void IslandBlock::preconditionCluster( const Cluster& cluster, const float* r, float* z ) const
 {
 	constexpr int column = columnOf( count );
 	const float* inverse = m_clusterInverse.data() + cluster.inverse;
@@ -215,7 +215,7 @@ void ImplicitBlock::preconditionCluster( const Cluster& cluster, const float* r,
 	}
 }
 
-void ImplicitBlock::preconditionClusters( const float* r, float* z ) const
+void IslandBlock::preconditionClusters( const float* r, float* z ) const
 {
 	for ( const Cluster& cluster : m_clusters )
 	{

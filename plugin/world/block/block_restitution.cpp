@@ -1,4 +1,4 @@
-// Keeps restitution in an implicit block from adding energy.
+// Keeps restitution in a block from adding energy.
 //
 // With the block's A as the mass matrix the step is a leapfrog step, and an impulse P changes its energy by P . ( u' + u ) / 2, where u is
 // the velocity at the start of the substep (docs/design/contacts.md, Restitution): by nothing where all contacts rebound with
@@ -6,15 +6,15 @@
 // lose. Impulses scaled by s do the work s W - s ( 1 - s ) K, K = P . A^-1 P / 2: this takes one more system, solved only where W is above
 // zero. Where s would be too small to stop the approaching bodies, only the bounce is reduced.
 
+#include "world/block/island_block.h"
 #include "world/constants.h"
-#include "world/implicit/implicit_block.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace pliant {
 
-ImplicitBlock::Work ImplicitBlock::workOfContacts() const
+IslandBlock::Work IslandBlock::workOfContacts() const
 {
 	Work work;
 	for ( const BlockContact& contact : contacts )
@@ -27,7 +27,7 @@ ImplicitBlock::Work ImplicitBlock::workOfContacts() const
 	return work;
 }
 
-void ImplicitBlock::limitEnergy( BlockCount& count )
+void IslandBlock::limitEnergy( BlockCount& count )
 {
 	if ( std::none_of( contacts.begin(), contacts.end(), []( const BlockContact& contact ) { return contact.bounces; } ) )
 	{
@@ -71,7 +71,7 @@ void ImplicitBlock::limitEnergy( BlockCount& count )
 
 // Without restitution contacts add no energy. Between that solution and the one with full restitution, P + s dP and u + s du, no contact is
 // violated and friction stays within its limits. Takes the largest s with ( P + s dP ) . ( ( u + s du ) + before ) <= 0.
-void ImplicitBlock::reduceBounce( BlockCount& count )
+void IslandBlock::reduceBounce( BlockCount& count )
 {
 	m_bounced = m_v;
 	m_bouncedImpulses.clear();
@@ -109,13 +109,13 @@ void ImplicitBlock::reduceBounce( BlockCount& count )
 	}
 }
 
-bool ImplicitBlock::movesFreely() const
+bool IslandBlock::movesFreely() const
 {
 	return std::all_of( soft.begin(), soft.end(), []( const SoftPart& part ) { return !part.motion->hasHeldNodes(); } ) &&
 		std::all_of( rigid.begin(), rigid.end(), []( const RigidPart& part ) { return part.linked < 0 && !part.hasLockedAxis(); } );
 }
 
-bool ImplicitBlock::mayCompleteBounce() const
+bool IslandBlock::mayCompleteBounce() const
 {
 	return std::all_of( contacts.begin(), contacts.end(),
 			   []( const BlockContact& contact ) { return contact.bounces || contact.normalImpulse == 0.0; } ) &&
@@ -125,7 +125,7 @@ bool ImplicitBlock::mayCompleteBounce() const
 		movesFreely();
 }
 
-void ImplicitBlock::addRigidMotions( const float* momentum, float* velocity ) const
+void IslandBlock::addRigidMotions( const float* momentum, float* velocity ) const
 {
 	for ( const ConnectedPart& own : m_connected )
 	{
@@ -149,13 +149,13 @@ void ImplicitBlock::addRigidMotions( const float* momentum, float* velocity ) co
 }
 
 /// m_next = the changes of the rigid motions by the impulses in m_rightSide.
-void ImplicitBlock::respondRigidly()
+void IslandBlock::respondRigidly()
 {
 	std::fill( m_next.begin(), m_next.end(), 0.0f );
 	addRigidMotions( m_rightSide.data(), m_next.data() );
 }
 
-void ImplicitBlock::fillRigidMotions()
+void IslandBlock::fillRigidMotions()
 {
 	std::fill( m_rightSide.begin(), m_rightSide.end(), 0.0f );
 	for ( const SoftPart& part : soft )
@@ -186,7 +186,7 @@ void ImplicitBlock::fillRigidMotions()
 //
 // but at most so far that half of the energy that the contacts absorb is returned, - sum P . ( u' + before ) / 2 with the velocities u' of
 // their nodes.
-void ImplicitBlock::completeBounce()
+void IslandBlock::completeBounce()
 {
 	if ( !mayCompleteBounce() )
 	{
@@ -224,7 +224,7 @@ void ImplicitBlock::completeBounce()
 }
 
 /// Lists the contacts in which a body presses objects that move freely or not at all, in m_pressing; false if there are none or others.
-bool ImplicitBlock::listPressing( int index )
+bool IslandBlock::listPressing( int index )
 {
 	m_pressing.clear();
 	for ( std::size_t k = 0; k < contacts.size(); ++k )
@@ -246,7 +246,7 @@ bool ImplicitBlock::listPressing( int index )
 	return !m_pressing.empty();
 }
 
-void ImplicitBlock::bounceAsRigid()
+void IslandBlock::bounceAsRigid()
 {
 	for ( std::size_t k = 0; k < soft.size(); ++k )
 	{
@@ -264,7 +264,7 @@ void ImplicitBlock::bounceAsRigid()
 //   sum P ( n . ( U + s R ) - e u ) = 0,   R the change of the rigid motions U by P,   u = n . ( R - U )
 //
 // and the body takes that rigid motion. The work is ( 1 + s ) ( e - 1 ) sum P u / 2, never positive.
-void ImplicitBlock::bounceAsRigid( const SoftPart& part, int index )
+void IslandBlock::bounceAsRigid( const SoftPart& part, int index )
 {
 	if ( !listPressing( index ) )
 	{
@@ -309,7 +309,7 @@ void ImplicitBlock::bounceAsRigid( const SoftPart& part, int index )
 }
 
 // v += factor times m_next, of the body and of all rigid objects.
-void ImplicitBlock::addMotion( const SoftPart& part, double factor )
+void IslandBlock::addMotion( const SoftPart& part, double factor )
 {
 	const auto add = [&]( int from, int count ) {
 		for ( int k = from; k < from + count; ++k )
@@ -324,7 +324,7 @@ void ImplicitBlock::addMotion( const SoftPart& part, double factor )
 // The raised impulses rub too, as far as Coulomb's limit, and not beyond the stop of the rigid motions' sliding,
 //
 //   sum P t . ( u + s r ) = 0,   t: opposite to the sliding, r the change of u by the impulses P t;   0 <= s <= mu
-void ImplicitBlock::rubAsRigid( const SoftPart& part, double friction )
+void IslandBlock::rubAsRigid( const SoftPart& part, double friction )
 {
 	Vec3d slip = Vec3d::Zero();
 	for ( const std::size_t k : m_pressing )

@@ -1,7 +1,8 @@
 #pragma once
 
-// The linear system of one island in an implicit substep. Its unknowns are the velocities of the soft bodies' nodes and of the rigid bodies
-// they touch, coupled by unilateral contacts with Coulomb friction. docs/design/implicit.md derives the formulas and the constants.
+// The linear system of one island in a substep. Its unknowns are the velocities of implicit bodies' nodes, of the touched nodes of explicit
+// ones, and of the rigid bodies that they touch, coupled by unilateral contacts with Coulomb friction. docs/design/implicit.md derives the
+// formulas and the constants.
 
 #include "body/implicit_motion.h"
 #include "lattice/lattice.h"
@@ -26,11 +27,11 @@ class UnionFind;
 /// One side of a contact: a node with the neighbours that share the contact, a rigid body, or an object of prescribed velocity.
 struct ContactSide
 {
-	int soft = -1; ///< index in ImplicitBlock::soft, or -1
+	int soft = -1; ///< index in IslandBlock::soft, or -1
 	int node = -1;
 	SharedNodes shared;                                 ///< of a node side; the first is `node` itself
 	int block[SharedNodes::kMost] = { -1, -1, -1, -1 }; ///< index of each shared node in m_nodeBlocks
-	int rigid = -1;                                     ///< index in ImplicitBlock::rigid, or -1
+	int rigid = -1;                                     ///< index in IslandBlock::rigid, or -1
 	Vec3d arm = Vec3d::Zero();                          ///< from the rigid body's centre of mass, m
 	Vec3d prescribedVelocity = Vec3d::Zero();           ///< m/s; of objects outside the block and of conveyor surfaces
 };
@@ -48,7 +49,7 @@ struct BlockContact
 	int frictionScale = -1;               ///< index in frictionScales; -1: isotropic friction
 	btManifoldPoint* point = nullptr;     ///< null: an attachment
 
-	// Of an attachment only, which pulls as well as presses and holds across the normal as along it (implicit_attachments.cpp).
+	// Of an attachment only, which pulls as well as presses and holds across the normal as along it (block_attachments.cpp).
 	int attachment = -1;                 ///< its id
 	bool hasExplicitSide = false;        ///< a body that steps explicitly
 	double compliance = 0.0;             ///< m/N
@@ -105,7 +106,7 @@ struct RigidPart
 	Vector6 expectedVelocity = Vector6::Zero(); ///< result of Bullet's solver if joints and rigid contacts do nothing
 	Vec3d centre = Vec3d::Zero();               ///< centre of mass, world, m
 	int coarse = -1;                            ///< body index in the coarse system
-	int linked = -1, link = 0;                  ///< of a link: index in ImplicitBlock::linked, and its number there
+	int linked = -1, link = 0;                  ///< of a link: index in IslandBlock::linked, and its number there
 
 	bool hasLockedAxis() const { return !( moves[0] && moves[1] && moves[2] && turns[0] && turns[1] && turns[2] ); }
 };
@@ -141,7 +142,7 @@ struct BlockCount
 	int passes = 0, products = 0;
 };
 
-class ImplicitBlock : private LinearSystem
+class IslandBlock : private LinearSystem
 {
 public:
 	std::vector<SoftPart> soft;
@@ -314,7 +315,7 @@ private:
 	void lockAxes( const RigidPart& part, int body );
 	void readSolution();
 
-	// In implicit_conflicts.cpp.
+	// In block_conflicts.cpp.
 	/// Makes the targets of each node's contacts with objects of prescribed velocity compatible.
 	void reconcileTargets();
 	/// Sets BlockContact::carried of each contact.
@@ -334,7 +335,7 @@ private:
 	double stepTowards();
 	double lowestFraction( double slope, double curvature ) const;
 
-	// In implicit_restitution.cpp.
+	// In block_restitution.cpp.
 	/// Work of the contact impulses and the sum of its absolute parts, J.
 	struct Work
 	{
@@ -371,7 +372,7 @@ private:
 	double energyTaken( const SoftPart& part ) const;
 	Vec3d velocityOfCentre( const SoftPart& part, const float* v ) const;
 
-	// In implicit_momentum.cpp.
+	// In block_momentum.cpp.
 	void restoreMomentum();
 	/// A connected part of a soft body or a rigid body in a group that touches nothing fixed.
 	struct MovingBody
@@ -391,9 +392,9 @@ private:
 	TaskRunner* m_runner = nullptr;
 	ConjugateGradients m_gradients;
 	AlignedArray<float> m_v, m_next, m_rightSide, m_scratch;
-	AlignedArray<float> m_free, m_freeNext; ///< b - A v at m_v and at m_next, without contacts
-	AlignedArray<float> m_bounced;          ///< velocities with full restitution, of rigid motions; scratch of implicit_restitution.cpp
-	std::vector<std::size_t> m_pressing;    ///< contacts of one body that press; scratch of keepRolling and bounceAsRigid
+	AlignedArray<float> m_free, m_freeNext;        ///< b - A v at m_v and at m_next, without contacts
+	AlignedArray<float> m_bounced;                 ///< velocities with full restitution, of rigid motions; scratch of block_restitution.cpp
+	std::vector<std::size_t> m_pressing;           ///< contacts of one body that press; scratch of keepRolling and bounceAsRigid
 	std::vector<ContactImpulse> m_bouncedImpulses; ///< by contact, with full restitution; scratch of reduceBounce
 	AlignedArray<float> m_massProduct;             ///< the last product without contacts
 	AlignedArray<float> m_inverseDiagonal;         ///< 1 / A_ii of the soft parts' nodes, at the index of their first component
