@@ -11,6 +11,7 @@
 // the objects' scales in their own axes, without the normal. Sliding along t is resisted by mu jn S t, as in Bullet's solver.
 
 #include "world/block/island_block.h"
+#include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 
 #include <Eigen/Eigenvalues>
