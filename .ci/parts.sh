@@ -7,7 +7,7 @@
 # A part is a function part_NAME. A part is in `turns` when it is known to fit into the time that .ci/run has left on two processors without a
 # compiler's cache; a run that exceeds its limit fails, so that nothing is left out unseen.
 readonly turns=( asan_core_1 asan_core_2 asan_core_3 )
-readonly parts=( asan_core_1 asan_core_2 asan_core_3 tsan asan_world_1 double asan_issues_1 clang asan_world_2 tidy asan_issues_2 threadsafe asan_world_3 )
+readonly parts=( alone asan_core_1 asan_core_2 asan_core_3 tsan asan_world_1 double asan_issues_1 clang asan_world_2 tidy asan_issues_2 threadsafe asan_world_3 )
 
 # The parts' settings: .ci/full has them empty, and runs all tests of a part.
 slice=${slice-yes}
@@ -38,6 +38,22 @@ test_part() # preset, folder of tests, number of the slice, number of slices, ar
 		some=( --tests-information "$number,,$of" )
 	fi
 	ctest --test-dir "build-$preset/tests/$folder" --parallel "$( nproc )" --output-on-failure --no-tests=error --label-exclude '^full$' "${some[@]}" "$@"
+}
+
+# --- files without the others of their folder -----------------------------------------------------------------------------------------------
+# With PLIANT_UNITY a file may use what another one of its batch includes. Those that the last ten changes touched, or all.
+part_alone()
+{
+	local since changed
+	since=$( git rev-list --first-parent --max-count=11 HEAD | tail -n 1 )
+	if [ -n "$slice" ]; then
+		changed=$( git diff --name-only --diff-filter=d "$since" HEAD -- 'plugin/*.cpp' 'tests/*.cpp' )
+	else
+		changed=$( git ls-files 'plugin/*.cpp' 'tests/*.cpp' )
+	fi
+	configure_part release -DPLIANT_UNITY=OFF -DPLIANT_PRECOMPILE=OFF -DPLIANT_BUILD_BENCH=ON -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -B build-alone || return 1
+	sed -n 's/^ *"command": "\(.*\)",$/\1/p' build-alone/compile_commands.json | grep -F -f <( sed "s|^| -c $PWD/|" <<< "$changed" ) |
+		sed 's/ -o [^ ]* -c / -fsyntax-only -c /; s/\\\\"/"/g' | xargs -r -d '\n' -n 1 -P "$( nproc )" sh -c
 }
 
 # --- address and undefined-behaviour sanitizers, assertions on -----------------------------------------------------------------------------
