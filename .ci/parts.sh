@@ -51,6 +51,10 @@ part_alone()
 	else
 		changed=$( git ls-files 'plugin/*.cpp' 'tests/*.cpp' )
 	fi
+	if [ -z "$changed" ]; then
+		echo "none has changed"
+		return
+	fi
 	configure_part release -DPLIANT_UNITY=OFF -DPLIANT_PRECOMPILE=OFF -DPLIANT_BUILD_BENCH=ON -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -B build-alone || return 1
 	sed -n 's/^ *"command": "\(.*\)",$/\1/p' build-alone/compile_commands.json | grep -F -f <( sed "s|^| -c $PWD/|" <<< "$changed" ) |
 		sed 's/ -o [^ ]* -c / -fsyntax-only -c /; s/\\\\"/"/g' | xargs -r -d '\n' -n 1 -P "$( nproc )" sh -c

@@ -153,8 +153,7 @@ void Body::respond( const float* impulse, float* velocity, TaskRunner* runner )
 ImplicitMotion& Body::joinFreely()
 {
 	ImplicitMotion& motion = madeImplicit();
-	motion.beginFree( m_nodes );
-	motion.measureFree( matchedParts() );
+	motion.measureFree( m_nodes, matchedParts() );
 	return motion;
 }
 

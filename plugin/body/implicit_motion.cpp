@@ -142,10 +142,9 @@ void ImplicitMotion::measureRigid( NodeState& nodes, const ConnectedParts* parts
 	raiseInertias( least, least );
 }
 
-void ImplicitMotion::measureFree( const ConnectedParts* parts )
+void ImplicitMotion::measureFree( NodeState& nodes, const ConnectedParts* parts )
 {
-	const NodeState& nodes = *m_nodes;
-	measureRigid( *m_nodes, parts );
+	measureRigid( nodes, parts );
 	keepFreeMomentum();
 	measureArms();
 	m_rightSide.resize( std::size_t( size() ) );

@@ -50,8 +50,8 @@ public:
 		TaskRunner* runner );
 	/// Starts a substep of a body moved by its contacts only: G = 0, b = m v. Nothing but nodes() may be read before measureFree().
 	void beginFree( NodeState& nodes );
-	/// `parts`: must live as long as the nodes; null: one part.
-	void measureFree( const ConnectedParts* parts );
+	/// The same, with all that is read of it. `parts`: must live as long as the nodes; null: one part.
+	void measureFree( NodeState& nodes, const ConnectedParts* parts );
 	/// Measures nothing but the rigid motions: rigidMass(), centre(), isHeld(), momentum() and addMotion() may be called then.
 	void measureRigid( NodeState& nodes, const ConnectedParts* parts );
 

@@ -86,8 +86,7 @@ void TouchedNodes::finish()
 		m_nodes.freedom[k] = m_all->freedom[std::size_t( node )];
 	}
 	listParts();
-	m_motion.beginFree( m_nodes );
-	m_motion.measureFree( &m_parts );
+	m_motion.measureFree( m_nodes, &m_parts );
 }
 
 void TouchedNodes::store()

@@ -58,9 +58,9 @@ Law lawAt( const BlockContact& contact, const Vec3d& u, double press )
 	return Law{ fraction * stick, fraction * contact.tangentMultiplier };
 }
 
-} // namespace
-
-Vec3d IslandBlock::freeVelocity( const BlockContact& contact ) const
+/// Returns the relative velocity at a contact, m/s, where nodes have the velocities `ofNodes`( part ) and rigid parts `ofRigid`.
+template <class OfNodes>
+Vec3d velocityBetween( const IslandBlock& block, const BlockContact& contact, const OfNodes& ofNodes, Vector6 RigidPart::*ofRigid )
 {
 	Vec3d velocity[2];
 	for ( int k = 0; k < 2; ++k )
@@ -69,15 +69,23 @@ Vec3d IslandBlock::freeVelocity( const BlockContact& contact ) const
 		velocity[k] = side.prescribedVelocity;
 		if ( side.soft >= 0 )
 		{
-			velocity[k] += velocityOfNodes( contact, side, soft[std::size_t( side.soft )].motion->nodes().v );
+			velocity[k] += velocityOfNodes( contact, side, ofNodes( block.soft[std::size_t( side.soft )] ) );
 		}
 		else if ( side.rigid >= 0 )
 		{
-			const Vector6& free = rigid[std::size_t( side.rigid )].freeVelocity;
-			velocity[k] += free.head<3>() + free.tail<3>().cross( side.arm );
+			const Vector6& motion = block.rigid[std::size_t( side.rigid )].*ofRigid;
+			velocity[k] += motion.head<3>() + motion.tail<3>().cross( side.arm );
 		}
 	}
 	return velocity[0] - velocity[1];
+}
+
+} // namespace
+
+Vec3d IslandBlock::freeVelocity( const BlockContact& contact ) const
+{
+	return velocityBetween(
+		*this, contact, []( const SoftPart& part ) -> const Vec3Array& { return part.motion->nodes().v; }, &RigidPart::freeVelocity );
 }
 
 const Vec3d& IslandBlock::angularVelocityOf( const ContactSide& side )
@@ -120,22 +128,8 @@ double IslandBlock::rollingLag( const BlockContact& contact, double h )
 
 Vec3d IslandBlock::velocityBefore( const BlockContact& contact ) const
 {
-	Vec3d velocity[2];
-	for ( int k = 0; k < 2; ++k )
-	{
-		const ContactSide& side = contact.side[k];
-		velocity[k] = side.prescribedVelocity;
-		if ( side.soft >= 0 )
-		{
-			velocity[k] += velocityOfNodes( contact, side, *soft[std::size_t( side.soft )].velocityBefore );
-		}
-		else if ( side.rigid >= 0 )
-		{
-			const Vector6& before = rigid[std::size_t( side.rigid )].velocityBefore;
-			velocity[k] += before.head<3>() + before.tail<3>().cross( side.arm );
-		}
-	}
-	return velocity[0] - velocity[1];
+	return velocityBetween(
+		*this, contact, []( const SoftPart& part ) -> const Vec3Array& { return *part.velocityBefore; }, &RigidPart::velocityBefore );
 }
 
 // Returns the last substep's impulse t from the stored S t; components that S suppresses are zero.
