@@ -82,7 +82,7 @@ void IslandBlock::layOut()
 		}
 	}
 	registerNodeBlocks();
-	layOutCoarse();
+	m_hasPreconditioner = false;
 }
 
 void IslandBlock::listConnected()
@@ -155,7 +155,6 @@ void IslandBlock::registerNodeBlocks()
 	std::for_each(
 		m_nodeBlocks.begin(), m_nodeBlocks.end(), [this]( const NodeBlock& named ) { m_blockOf[std::size_t( named.index )] = -1; } );
 	m_nodeBlocks.clear();
-	m_clusters.clear();
 	m_blockOf.resize( std::max( m_blockOf.size(), std::size_t( m_size ) ), -1 );
 	for ( BlockContact& contact : contacts )
 	{
@@ -171,7 +170,6 @@ void IslandBlock::registerNodeBlocks()
 				startFromBefore( soft[std::size_t( side.soft )], side.shared.node[j] );
 			}
 		}
-		assignClusters( contact );
 	}
 }
 

@@ -110,6 +110,22 @@ void IslandBlock::applyMasses( const float* v, float* to )
 	std::fill( to + used, to + m_size, 0.0f );
 }
 
+ActiveContact::Side IslandBlock::flatSide( const ContactSide& side ) const
+{
+	ActiveContact::Side own;
+	own.stride = side.soft >= 0 ? soft[std::size_t( side.soft )].motion->padded() : 0;
+	own.count = side.soft >= 0 ? side.shared.count : side.rigid >= 0 ? 1 : 0;
+	own.index[0] = side.rigid >= 0 ? rigid[std::size_t( side.rigid )].offset : -1;
+	for ( int j = 0; side.soft >= 0 && j < own.count; ++j )
+	{
+		own.index[j] = soft[std::size_t( side.soft )].offset + side.shared.node[j];
+		own.rub[j] = side.shared.rub[j];
+		own.excess[j] = side.shared.press[j] - side.shared.rub[j];
+	}
+	Eigen::Map<Vec3d>( own.arm ) = side.arm;
+	return own;
+}
+
 void IslandBlock::listActive()
 {
 	m_active.clear();
@@ -120,21 +136,8 @@ void IslandBlock::listActive()
 			continue;
 		}
 		ActiveContact flat;
-		for ( int k = 0; k < 2; ++k )
-		{
-			const ContactSide& side = contact.side[k];
-			ActiveContact::Side& own = flat.side[k];
-			own.stride = side.soft >= 0 ? soft[std::size_t( side.soft )].motion->padded() : 0;
-			own.count = side.soft >= 0 ? side.shared.count : side.rigid >= 0 ? 1 : 0;
-			own.index[0] = side.rigid >= 0 ? rigid[std::size_t( side.rigid )].offset : -1;
-			for ( int j = 0; side.soft >= 0 && j < own.count; ++j )
-			{
-				own.index[j] = soft[std::size_t( side.soft )].offset + side.shared.node[j];
-				own.rub[j] = side.shared.rub[j];
-				own.excess[j] = side.shared.press[j] - side.shared.rub[j];
-			}
-			Eigen::Map<Vec3d>( own.arm ) = side.arm;
-		}
+		flat.side[0] = flatSide( contact.side[0] );
+		flat.side[1] = flatSide( contact.side[1] );
 		Eigen::Map<Vec3d>( flat.normal ) = contact.normal;
 		flat.along = contact.stiffness - ( contact.frictionScale < 0 ? contact.tangentStiffness : 0.0 );
 		flat.across = contact.tangentStiffness;
@@ -144,36 +147,6 @@ void IslandBlock::listActive()
 }
 
 namespace {
-
-/// u += sign times the velocity of one side.
-void addVelocity( const ActiveContact::Side& side, const double ( &normal )[3], const float* v, double sign, double ( &u )[3] )
-{
-	if ( side.stride > 0 )
-	{
-		double along = 0.0;
-		for ( int j = 0; j < side.count; ++j )
-		{
-			const float* const at = v + side.index[j];
-			const double x = double( at[0] ), y = double( at[side.stride] ), z = double( at[2 * side.stride] );
-			const double rub = sign * side.rub[j];
-			u[0] += rub * x;
-			u[1] += rub * y;
-			u[2] += rub * z;
-			along += side.excess[j] * ( ( normal[0] * x + normal[1] * y ) + normal[2] * z );
-		}
-		along *= sign;
-		u[0] += along * normal[0];
-		u[1] += along * normal[1];
-		u[2] += along * normal[2];
-		return;
-	}
-	const float* const at = v + side.index[0];
-	const double* const r = side.arm;
-	const double w[3] = { double( at[3] ), double( at[4] ), double( at[5] ) };
-	u[0] += sign * ( double( at[0] ) + ( w[1] * r[2] - w[2] * r[1] ) );
-	u[1] += sign * ( double( at[1] ) + ( w[2] * r[0] - w[0] * r[2] ) );
-	u[2] += sign * ( double( at[2] ) + ( w[0] * r[1] - w[1] * r[0] ) );
-}
 
 void addForce( const ActiveContact::Side& side, const double ( &normal )[3], const double ( &f )[3], double sign, float* to )
 {
@@ -281,11 +254,17 @@ BlockCount IslandBlock::solve( TaskRunner* runner )
 	return count;
 }
 
-// A pass is solved to full accuracy only once it is known to be the last: which contacts change is known long before convergence.
+// A pass is solved to full accuracy only once it is known to be the last: which contacts change is known long before convergence. After
+// sweeps passes start from their velocities and impulses.
 void IslandBlock::solveLaw( BlockCount& count )
 {
+	const bool isSwept = canSweep();
+	if ( isSwept && sweepContacts( count ) )
+	{
+		return;
+	}
 	int passes = 0;
-	linearise( m_v.data(), 0 );
+	linearise( m_v.data(), isSwept ? 1 : 0 );
 	fillFree();
 	++count.products;
 	while ( true )

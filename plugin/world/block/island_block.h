@@ -7,7 +7,9 @@
 #include "body/implicit_motion.h"
 #include "lattice/lattice.h"
 #include "matching/implicit/conjugate_gradients.h"
+#include "world/linear/active_contact.h"
 #include "world/linear/coarse_system.h"
+#include "world/linear/contact_sweeps.h"
 #include "world/touch/shared_nodes.h"
 
 #include <memory>
@@ -119,23 +121,6 @@ struct LinkedParts
 	std::shared_ptr<JointGroup> joints; ///< of rigid bodies on Bullet's joints; null for links of a multibody
 };
 
-/// An active contact in the compact form used by matrix products: the force is across u + along ( u.n ) n.
-struct ActiveContact
-{
-	struct Side
-	{
-		int count = 0;                                              ///< number of nodes; 1: a rigid body; 0: prescribed velocity
-		int stride = 0;                                             ///< between a node's components; 0: six components of a rigid body
-		int index[SharedNodes::kMost];                              ///< of each node's first component in the vector
-		double rub[SharedNodes::kMost], excess[SharedNodes::kMost]; ///< SharedNodes::rub, and press - rub
-		double arm[3];
-	};
-	Side side[2];
-	double normal[3];
-	double along = 0.0, across = 0.0; ///< k - kt and kt, kg; with anisotropic friction k and kt
-	int frictionScale = -1;
-};
-
 /// The work of a solution.
 struct BlockCount
 {
@@ -152,6 +137,7 @@ public:
 	/// S of anisotropic friction: jt = S ( scaledMultiplier - kt ut ), symmetric, with the normal in its null space.
 	std::vector<Eigen::Matrix3d> frictionScales;
 	double bounceThreshold = 0.0; ///< approach speed from which a body rebounds, m/s
+	bool onlyPasses = false;      ///< reference implementation for tests: no sweeps
 
 	/// Computes the velocities of nodes and rigid parts and the contact impulses at the end of the substep.
 	BlockCount solve( TaskRunner* runner );
@@ -273,6 +259,7 @@ private:
 	void registerNodeBlocks();
 	void applyMasses( const float* v, float* to );
 	void listActive();
+	ActiveContact::Side flatSide( const ContactSide& side ) const;
 	Vec3d velocityOf( const ContactSide& side, const Vec3d& normal, const float* v ) const;
 	/// Difference of the two sides' velocities in `v`, without prescribed ones: of a change.
 	Vec3d changeAt( const BlockContact& contact, const float* v ) const;
@@ -289,6 +276,11 @@ private:
 	void fillFree();
 	/// Iterates from m_v until the impulses satisfy the law.
 	void solveLaw( BlockCount& count );
+	/// Whether sweeps over the contacts can solve the block: no elastic body, joint or attachment, isotropic friction.
+	bool canSweep() const;
+	/// Sweeps from the last impulses; sets m_v and the impulses, and returns true if these are accurate.
+	bool sweepContacts( BlockCount& count );
+	void listSwept();
 	/// Returns true if the impulses at m_next are accurate enough to stop after `passes` passes.
 	bool mayStop( int passes );
 	/// Starts the iteration at m_next: adds the linearised contacts to the residual without contacts, b - A v.
@@ -297,6 +289,7 @@ private:
 	/// Iterates m_next until `fraction` of the residual or energyLeft() remains, then reads the contact impulses.
 	void iterate( double fraction, BlockCount& count );
 	void fillPreconditioner();
+	void layOutPreconditioner();
 	void layOutCoarse();
 	void assignClusters( const BlockContact& contact );
 	Eigen::Map<Eigen::MatrixXd> matrixOf( const Cluster& cluster )
@@ -391,6 +384,7 @@ private:
 	int m_size = 0;
 	TaskRunner* m_runner = nullptr;
 	ConjugateGradients m_gradients;
+	ContactSweeps m_sweeps;
 	AlignedArray<float> m_v, m_next, m_rightSide, m_scratch;
 	AlignedArray<float> m_free, m_freeNext;        ///< b - A v at m_v and at m_next, without contacts
 	AlignedArray<float> m_bounced;                 ///< velocities with full restitution, of rigid motions; scratch of block_restitution.cpp
@@ -411,6 +405,7 @@ private:
 	std::vector<MovingBody> m_movingBodies;                  ///< scratch of restoreMomentumOf
 	std::vector<int> m_blockOf; ///< by index of a node's first component: index in m_nodeBlocks; -1: no contact acts on it
 	CoarseSystem m_coarse;
+	bool m_hasPreconditioner = false; ///< laid out for the contacts
 	std::vector<int> m_coarseSizes;
 	std::vector<CoarseSystem::Pair> m_coarsePairs;
 	Eigen::VectorXd m_coarseSums, m_coarseMotion;

@@ -191,8 +191,21 @@ void IslandBlock::lockAxes( const RigidPart& part, int body )
 	}
 }
 
+// Made when a pass first needs it: sweeps need none.
+void IslandBlock::layOutPreconditioner()
+{
+	m_hasPreconditioner = true;
+	m_clusters.clear();
+	std::for_each( contacts.begin(), contacts.end(), [this]( const BlockContact& contact ) { assignClusters( contact ); } );
+	layOutCoarse();
+}
+
 void IslandBlock::fillPreconditioner()
 {
+	if ( !m_hasPreconditioner )
+	{
+		layOutPreconditioner();
+	}
 	beginClusters();
 	m_coarse.clear();
 	for ( const ConnectedPart& own : m_connected )
