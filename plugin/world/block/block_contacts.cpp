@@ -288,6 +288,7 @@ void BlockContacts::gatherFrom(
 		return;
 	}
 	const double threshold = double( m_hidden.back().threshold );
+	IslandBlock& own = blocks[std::size_t( block )];
 	for ( int k = 0; k < manifold.getNumContacts(); ++k )
 	{
 		btManifoldPoint& point = manifold.getContactPoint( k );
@@ -295,7 +296,7 @@ void BlockContacts::gatherFrom(
 		{
 			continue;
 		}
-		BlockContact contact;
+		BlockContact& contact = own.contacts.emplace_back(); // half a kilobyte: filled in place
 		contact.normal = toVec3d( point.m_normalWorldOnB );
 		contact.isDrawn = isDrawn( nodes[0] ) || isDrawn( nodes[1] );
 		SharedNodes shared[2];
@@ -310,22 +311,21 @@ void BlockContacts::gatherFrom(
 		contact.side[1].prescribedVelocity += surfaceVelocity( point, info );
 		if ( !contact.moves() )
 		{
+			own.contacts.pop_back();
 			continue;
 		}
 		contact.friction = double( point.m_combinedFriction );
-		contact.restitution = double( point.m_appliedImpulse > 0 && hasRigidBounce( contact, blocks[std::size_t( block )] )
+		contact.restitution = double( point.m_appliedImpulse > 0 && hasRigidBounce( contact, own )
 				? gCalculateCombinedRestitutionCallback( objects[0], objects[1] )
 				: point.m_combinedRestitution );
-		setFrictionScale( objects, contact, blocks[std::size_t( block )] );
+		setFrictionScale( objects, contact, own );
 		contact.point = &point;
 		contact.normalImpulse = double( point.m_appliedImpulse );
 		contact.tangentImpulse = double( point.m_appliedImpulseLateral1 ) * toVec3d( point.m_lateralFrictionDir1 ) +
 			double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
-		IslandBlock& own = blocks[std::size_t( block )];
 		contact.velocityBefore = own.velocityBefore( contact );
 		const double rolling = contact.isDrawn ? own.rollingLag( contact, double( info.m_timeStep ) ) : 0.0;
 		setTarget( contact, info, -contact.normal.dot( own.freeVelocity( contact ) ), rolling, slopOf( contact, objects, own ), own );
-		blocks[std::size_t( block )].contacts.push_back( contact );
 		++m_count;
 	}
 }

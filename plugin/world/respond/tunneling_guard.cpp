@@ -120,7 +120,11 @@ void TunnelingGuard::enforceBarriers( const std::vector<const btCollisionObject*
 			const ObstacleMotion motion = motionOf( *wall, origin );
 			visitParts( obstacle, [&]( const Obstacle& part ) { addBarriers( part, motion ); } );
 		}
-		std::stable_sort( m_barriers.begin(), m_barriers.end(), []( const Barrier& a, const Barrier& b ) { return a.node < b.node; } );
+		const auto isBefore = []( const Barrier& a, const Barrier& b ) { return a.node < b.node; };
+		if ( !std::is_sorted( m_barriers.begin(), m_barriers.end(), isBefore ) ) // they are, of a single wall
+		{
+			std::stable_sort( m_barriers.begin(), m_barriers.end(), isBefore );
+		}
 		m_corrected.clear();
 		for ( std::size_t first = 0, end = 0; first < m_barriers.size(); first = end )
 		{
