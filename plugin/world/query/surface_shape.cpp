@@ -170,6 +170,7 @@ std::vector<SurfaceShape::Piece> SurfaceShape::piecesIn( const btVector3& low, c
 		cornersOf( triangle, pieces.back().corner );
 	} );
 	const btScalar cell = m_owner.bodyTemplate().cellSize();
+	int splits = 0;
 	for ( std::size_t k = 0; k < pieces.size(); )
 	{
 		btVector3( &corner )[3] = pieces[k].corner;
@@ -189,11 +190,12 @@ std::vector<SurfaceShape::Piece> SurfaceShape::piecesIn( const btVector3& low, c
 			continue;
 		}
 		const btVector3 a = corner[longest], b = corner[( longest + 1 ) % 3], c = corner[( longest + 2 ) % 3], middle = ( a + b ) / 2;
-		if ( !( a.distance2( b ) > cell * cell ) )
+		if ( !( a.distance2( b ) > cell * cell ) || splits == kMostSurfaceSplits )
 		{
 			++k;
 			continue;
 		}
+		++splits;
 		pieces[k] = Piece{ { a, middle, c } };
 		pieces.push_back( Piece{ { middle, b, c } } );
 	}

@@ -2,6 +2,8 @@
 
 #include "world/test_world.h"
 
+#include "world/bodies/soft_body_impl.h"
+
 #include <cstdio>
 
 namespace pliant {
@@ -58,6 +60,36 @@ TEST( Far, TheSameSceneWithinAThousandthOfACell )
 		EXPECT_LT( worst, btScalar( 1e-4 ) ) << ( onPlane ? "on a plane" : "on a box" );
 		EXPECT_GT( home[0].y(), btScalar( -1 ) );
 	}
+}
+
+// Triangles are divided to the size of a cell where a contact test needs them: of a body of 1e15 m, as wild forces leave it, that did not
+// end.
+TEST( Far, ContactTestsOfBodiesWithoutBoundsReturn )
+{
+	struct Result : btCollisionWorld::ContactResultCallback
+	{
+		btScalar addSingleResult(
+			btManifoldPoint&, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int ) override
+		{
+			return 0;
+		}
+	};
+	TestWorld t;
+	t.world.setGravity( btVector3( 0, 0, 0 ) );
+	SoftBody* const soft = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0, 0 ) );
+	NodeState& nodes = soft->impl().body->nodes();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		nodes.x.set( i, 1e15f * nodes.x.get( i ) );
+		nodes.v.set( i, Vec3::Zero() );
+	}
+	btBoxShape box( btVector3( btScalar( 1e16 ), btScalar( 1e16 ), btScalar( 1e16 ) ) );
+	btCollisionObject probe;
+	probe.setCollisionShape( &box );
+	probe.setWorldTransform( at( 0, 0, 0 ) );
+	Result result;
+	t.world.contactPairTest( soft, &probe, result );
+	SUCCEED(); // a hang is the failure
 }
 
 } // namespace
