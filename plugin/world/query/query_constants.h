@@ -8,8 +8,8 @@ namespace pliant {
 /// round meshes differ by up to 20, the faces of a box by 45 and more.
 inline constexpr float kCreaseCosine = 0.906f;
 
-/// Contact tests divide the triangles near an object to the size of a cell, but no more often than this: of a body that has been stretched or
-/// thrown to 1e24 m they would never end.
+/// Contact tests divide the triangles near an object to the size of a cell, but no more often than this: of a body that has been stretched
+/// or thrown to 1e24 m they would never end.
 inline constexpr int kMostSurfaceSplits = 100000;
 
 } // namespace pliant
