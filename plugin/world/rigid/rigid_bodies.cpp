@@ -50,7 +50,7 @@ void brakeSpin( btPersistentManifold& manifold, btScalar radius )
 		limit += radius * point.m_combinedFriction * impulse;
 		normal += impulse * point.m_normalWorldOnB;
 	}
-	if ( limit <= 0 )
+	if ( limit <= 0 || !( normal.length2() > 0 ) ) // opposite contacts, or impulses too small to square, have no axis
 	{
 		return;
 	}
