@@ -137,7 +137,6 @@ public:
 	/// S of anisotropic friction: jt = S ( scaledMultiplier - kt ut ), symmetric, with the normal in its null space.
 	std::vector<Eigen::Matrix3d> frictionScales;
 	double bounceThreshold = 0.0; ///< approach speed from which a body rebounds, m/s
-	bool onlyPasses = false;      ///< reference implementation for tests: no sweeps
 
 	/// Computes the velocities of nodes and rigid parts and the contact impulses at the end of the substep.
 	BlockCount solve( TaskRunner* runner );

@@ -38,7 +38,7 @@ bool IslandBlock::canSweep() const
 {
 	const auto isElastic = []( const SoftPart& part ) { return part.motion->isElastic(); };
 	const auto isSpecial = []( const BlockContact& contact ) { return contact.isAttachment() || contact.frictionScale >= 0; };
-	return !onlyPasses && linked.empty() && std::none_of( soft.begin(), soft.end(), isElastic ) &&
+	return linked.empty() && std::none_of( soft.begin(), soft.end(), isElastic ) &&
 		std::none_of( contacts.begin(), contacts.end(), isSpecial );
 }
 
