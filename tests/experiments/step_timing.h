@@ -14,15 +14,15 @@ inline constexpr float kTimedStep = 1.0f / 240.0f; ///< s
 template <class F>
 double processorSecondsOf( F&& call )
 {
-	constexpr int kRounds = 9;
-	constexpr double kRoundSeconds = 0.04;
+	constexpr int kTimedRounds = 9;
+	constexpr double kTimedRoundSeconds = 0.04;
 	double best = 1e30;
-	for ( int round = 0; round < kRounds; ++round )
+	for ( int round = 0; round < kTimedRounds; ++round )
 	{
 		const std::clock_t begin = std::clock();
 		double seconds = 0.0;
 		int calls = 0;
-		for ( ; calls == 0 || seconds < kRoundSeconds; ++calls )
+		for ( ; calls == 0 || seconds < kTimedRoundSeconds; ++calls )
 		{
 			call();
 			seconds = double( std::clock() - begin ) / CLOCKS_PER_SEC;

@@ -244,7 +244,9 @@ TEST( Ply, ReadsTextAndBothByteOrders )
 		}
 		put( std::int8_t( 1 ) );
 		put( 0.5f );
-		const std::string header = std::string( "ply\nformat " ) + ( isBig ? "binary_big_endian" : "binary_little_endian" ) + " 1.0\n";
+		std::string header = "ply\nformat ";
+		header += isBig ? "binary_big_endian" : "binary_little_endian";
+		header += " 1.0\n";
 		const ReadResult binary = readPly( header + elements + bytes );
 		ASSERT_TRUE( binary.ok() ) << binary.status.sentence;
 		EXPECT_EQ( binary.mesh.positions, expected );

@@ -105,7 +105,7 @@ std::vector<TestName> testsOf( const SourceTree& tree )
 		}
 		for ( const std::string& instance : instances[suite] )
 		{
-			tests.push_back( TestName{ instance + suite + "." + test + "/", true } );
+			tests.push_back( TestName{ joined( { instance, suite, ".", test, "/" } ), true } );
 		}
 	} );
 	return tests;

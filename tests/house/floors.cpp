@@ -313,7 +313,7 @@ Complaints checkReach( const SourceTree& tree )
 		{
 			if ( ( isCore( path ) && isBullet( name ) ) || ( isPublic( path ) && isEigen( name ) ) )
 			{
-				complaints.push_back( path + ": reaches " + name + " through " + through );
+				complaints.push_back( joined( { path, ": reaches ", name, " through ", through } ) );
 			}
 		}
 	}

@@ -253,12 +253,12 @@ Complaints checkStages( const SourceTree& tree )
 			isThere = isThere || ( calls && path == order );
 			if ( calls && path.starts_with( "plugin/" ) && path != order && !kAlsoAtTheEnd.contains( stage ) )
 			{
-				complaints.push_back( path + ": calls the stage " + stage + ", which " + order + " does" );
+				complaints.push_back( joined( { path, ": calls the stage ", stage, ", which ", order, " does" } ) );
 			}
 		}
 		if ( !isThere )
 		{
-			complaints.push_back( order + ": does not call the stage " + stage );
+			complaints.push_back( joined( { order, ": does not call the stage ", stage } ) );
 		}
 	}
 	return complaints;
@@ -288,7 +288,7 @@ Complaints checkStageOrder( const SourceTree& tree )
 			const std::ptrdiff_t at = lines.rend() - last - 1;
 			if ( at <= before )
 			{
-				complaints.push_back( path + ": the stage " + stage + " is not in its place" );
+				complaints.push_back( joined( { path, ": the stage ", stage, " is not in its place" } ) );
 			}
 			before = std::max( before, at );
 		}

@@ -87,4 +87,14 @@ std::string SourceTree::resolve( const SourceFile& from, const Include& include 
 	return "";
 }
 
+std::string joined( std::initializer_list<std::string_view> parts )
+{
+	std::string all;
+	for ( const std::string_view part : parts )
+	{
+		all += part;
+	}
+	return all;
+}
+
 } // namespace house

@@ -5,8 +5,10 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include <filesystem>
+#include <initializer_list>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace house {
@@ -48,6 +50,9 @@ private:
 	std::filesystem::path m_root;
 	std::map<std::string, SourceFile> m_files;
 };
+
+/// Returns the parts one after the other.
+std::string joined( std::initializer_list<std::string_view> parts );
 
 /// Includes lead to lower floors of the plugin only, and foreign libraries are included in their own folders only.
 Complaints checkFloors( const SourceTree& tree );

@@ -83,7 +83,7 @@ TEST( Memory, StaysWithinItsBudgetANode )
 		const SoftBody::Impl& impl = body->impl();
 		const double core = double( impl.body->bytes() ) / body->nodeCount();
 		const double bullets = double( impl.shape->bytes() + impl.touched.size() * sizeof( ContactProxy ) +
-								   impl.proxyOfNode.size() * sizeof( ContactProxy* ) +
+								   impl.proxyOfNode.size() * sizeof( void* ) +
 								   scene.dispatcher.getNumManifolds() * sizeof( btPersistentManifold ) ) /
 			body->nodeCount();
 		std::printf( "w = %d: core %.0f bytes a node, template included; Bullet's side %.0f\n", halfWidth, core, bullets );

@@ -19,7 +19,7 @@ double bestAlignment( const Matrix& a )
 {
 	const Eigen::JacobiSVD<Matrix> svd( a, Eigen::ComputeFullU | Eigen::ComputeFullV );
 	const double sign = ( svd.matrixU() * svd.matrixV().transpose() ).determinant() < 0.0 ? -1.0 : 1.0;
-	const Vec3d s = svd.singularValues();
+	const Vec3d& s = svd.singularValues();
 	return s[0] + s[1] + sign * s[2];
 }
 

@@ -6,6 +6,8 @@
 #include "support/explicit_material.h"
 #include "support/test_world.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <random>

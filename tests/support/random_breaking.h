@@ -86,7 +86,7 @@ private:
 	{
 		const std::vector<Vec3d> positions = body.cellPositions();
 		const Lattice& lattice = body.lattice();
-		const Vec3d at = positions[std::size_t( m_random.uniform( 0.0f, 0.999f ) * float( positions.size() ) )];
+		const Vec3d& at = positions[std::size_t( m_random.uniform( 0.0f, 0.999f ) * float( positions.size() ) )];
 		const int kind = int( m_random.uniform( 0.0f, 4.999f ) );
 		std::vector<CellLink> links;
 		switch ( kind )

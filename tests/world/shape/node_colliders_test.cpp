@@ -25,7 +25,7 @@ struct Counts
 void cutByChance( Body& body, const Lattice& whole, test::Seeded& random )
 {
 	const std::vector<Vec3d> positions = body.cellPositions();
-	const Vec3d at = positions[std::size_t( random.uniform( 0.0f, 0.999f ) * float( positions.size() ) )];
+	const Vec3d& at = positions[std::size_t( random.uniform( 0.0f, 0.999f ) * float( positions.size() ) )];
 	const Vec3d normal = random.inBox( 1.0f ).cast<double>();
 	const double reach = double( random.uniform( 0.08f, 0.4f ) );
 	const bool isBall = random.uniform( 0.0f, 1.0f ) < 0.3f;
