@@ -183,8 +183,11 @@ inline constexpr double kLargestFrictionTorque = 2.0;
 inline constexpr double kPartError = 0.1;
 /// Passes after which friction limits follow passes far from convergence too.
 inline constexpr int kMostFairPasses = 8;
-/// Limit of rigid bodies in a block: the cost of the coarse system's factorisation grows with a power between 2 and 3 of their number.
-inline constexpr int kMostBlockRigid = 96;
+/// Of an island with more rigid bodies than the first number only those take part in the block that touch a soft body or rest on one, the
+/// latter up to the second: the cost of the coarse system's factorisation grows with a power between 2 and 3 of their number.
+inline constexpr int kWholeBlockRigid = 24, kMostBlockRigid = 96;
+/// A body supports another if the contact's normal has at least this component upwards.
+inline constexpr double kSupportSlope = 0.5;
 /// Halvings of the line search: as many as a float has bits.
 inline constexpr int kLineSearchHalvings = 24;
 /// Nodes that penetrate too deep are pushed out at most at this velocity, m/s.
@@ -220,6 +223,9 @@ inline constexpr double kLoadTime = 0.5;
 /// that Bullet waits before it deactivates a body.
 inline constexpr double kLeaveFraction = 0.5;
 inline constexpr double kCalmTime = 2.0;
+/// A body takes the implicit step where its substeps would cost rigid bodies more than this number of steps of one body in a game step:
+/// about a millisecond in a heap.
+inline constexpr int kMostRigidSubsteps = 100;
 
 /// Soft substeps: default, maximum, and default bound up to which stiff materials raise them automatically.
 inline constexpr int kDefaultSubsteps = 4;

@@ -371,7 +371,7 @@ TEST( LargeIslands, TakePartUpToTheLimitNearestFirst )
 		LadenCube scene( count );
 		scene.t.run( 20 ); // after ten the plate is falling away from many of them;
 		BlockReach reach;
-		reach.choose( scene.t.parts.dispatcher, Attachments(), OneBlock(), 1 );
+		reach.choose( scene.t.parts.dispatcher, Attachments(), OneBlock(), 1, btVector3( 0, -10, 0 ), ManifoldFilter() );
 		int taking = 0;
 		for ( const btRigidBody* box : scene.boxes )
 		{

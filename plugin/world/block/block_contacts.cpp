@@ -5,7 +5,6 @@
 #include "world/constants.h"
 #include "world/touch/round_surface.h"
 
-#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
@@ -68,10 +67,10 @@ int blockOf( const btPersistentManifold& manifold, const BlockLookup& lookup )
 		hasNode = hasNode || node;
 		block = node && block < 0 && node->node >= 0 ? lookup.blockOf( *node->owner ) : block;
 	}
-	if ( !hasNode && isPlainRigid( manifold ) )
+	if ( !hasNode )
 	{
 		block = std::max( lookup.blockOfIsland( objects[0]->getIslandTag() ), lookup.blockOfIsland( objects[1]->getIslandTag() ) );
-		block = areInBlock( objects, block, lookup ) ? block : -1;
+		block = areInBlock( objects, block, lookup ) && isPlainRigid( manifold ) ? block : -1;
 	}
 	return block;
 }
@@ -256,14 +255,18 @@ void setTarget(
 
 } // namespace
 
-void BlockContacts::gather(
-	btDispatcher& dispatcher, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<IslandBlock>& blocks )
+void BlockContacts::gather( const std::vector<btPersistentManifold*>& manifolds, const btContactSolverInfo& info, BlockLookup& lookup,
+	std::deque<IslandBlock>& blocks, ManifoldFilter& taken )
 {
 	m_count = 0;
 	m_hidden.clear();
-	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
+	for ( btPersistentManifold* const manifold : manifolds )
 	{
-		gatherFrom( *dispatcher.getManifoldByIndexInternal( m ), info, lookup, blocks );
+		gatherFrom( *manifold, info, lookup, blocks );
+	}
+	for ( const Hidden& hidden : m_hidden )
+	{
+		taken.add( *hidden.manifold );
 	}
 }
 

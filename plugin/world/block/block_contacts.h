@@ -3,6 +3,7 @@
 // Converts Bullet's manifolds to the contacts of blocks and back: positions, friction, restitution and the last substep's impulses
 // are read from the contact points, and the solved impulses are written to them for callers. docs/design/implicit.md.
 
+#include "world/block/block_reach.h"
 #include "world/block/island_block.h"
 
 #include <LinearMath/btScalar.h>
@@ -12,7 +13,6 @@
 
 class btCollisionObject;
 class btPersistentManifold;
-class btDispatcher;
 struct btContactSolverInfo;
 
 namespace pliant {
@@ -40,8 +40,10 @@ public:
 class BlockContacts
 {
 public:
-	/// Adds the contacts of all manifolds with a node of a block's body or with two rigid bodies of its island, and hides the manifolds.
-	void gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<IslandBlock>& blocks );
+	/// Adds the contacts of those manifolds with a node of a block's body or with two rigid bodies of its island, and hides these.
+	/// `manifolds`: all that may be in blocks, and those of `taken`, to which the hidden ones are added.
+	void gather( const std::vector<btPersistentManifold*>& manifolds, const btContactSolverInfo& info, BlockLookup& lookup,
+		std::deque<IslandBlock>& blocks, ManifoldFilter& taken );
 	/// Adds the attachments of the blocks' bodies. `h` in s.
 	void gatherAttachments( Attachments& attachments, double h, BlockLookup& lookup, std::deque<IslandBlock>& blocks );
 	/// Stores the forces of a block's attachments.

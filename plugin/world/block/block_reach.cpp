@@ -33,7 +33,14 @@ unsigned char& flagAt( std::vector<unsigned char>& flags, int index )
 
 } // namespace
 
-void BlockReach::addBody( const btCollisionObject& rigid, int block, bool touchesSoft )
+/// Whether the first (or second) object of a manifold with contacts rests on the other.
+bool BlockReach::isCarried( const btPersistentManifold& manifold, bool isFirst ) const
+{
+	const btScalar rise = manifold.getContactPoint( 0 ).m_normalWorldOnB.dot( m_up ); // of the first above the second
+	return m_up.isZero() || ( isFirst ? rise : -rise ) > btScalar( kSupportSlope );
+}
+
+void BlockReach::addBody( const btCollisionObject& rigid, int block, bool touchesSoft, bool isCarried )
 {
 	const int index = rigid.getWorldArrayIndex();
 	unsigned char& isKnown = flagAt( m_isKnown, index );
@@ -45,9 +52,12 @@ void BlockReach::addBody( const btCollisionObject& rigid, int block, bool touche
 		takes = 1;
 		++m_taken[std::size_t( block )];
 	}
+	unsigned char& carried = flagAt( m_isCarried, index );
+	carried = carried || isCarried ? 1 : 0;
 }
 
-void BlockReach::addManifold( const btPersistentManifold& manifold, const BlockLookup& lookup )
+/// Returns whether the manifold has a soft body or is in the island of a block.
+bool BlockReach::addManifold( const btPersistentManifold& manifold, const BlockLookup& lookup )
 {
 	const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
 	const SoftBody *const softA = ownerOfContactProxy( &a ), *const softB = ownerOfContactProxy( &b );
@@ -58,23 +68,25 @@ void BlockReach::addManifold( const btPersistentManifold& manifold, const BlockL
 															  : -1 );
 	if ( block < 0 )
 	{
-		return;
+		return touchesSoft;
 	}
 	if ( isA )
 	{
-		addBody( a, block, touchesSoft );
+		addBody( a, block, touchesSoft, touchesSoft && isCarried( manifold, true ) );
 	}
 	if ( isB )
 	{
-		addBody( b, block, touchesSoft );
+		addBody( b, block, touchesSoft, touchesSoft && isCarried( manifold, false ) );
 	}
 	if ( isA && isB && !ownerOfRigidProxy( &a ) && !ownerOfRigidProxy( &b ) )
 	{
-		m_edges.push_back( Edge{ a.getWorldArrayIndex(), b.getWorldArrayIndex(), block } );
+		m_edges.push_back( Edge{ a.getWorldArrayIndex(), b.getWorldArrayIndex(), block, &manifold } );
 	}
+	return true;
 }
 
-// Adds the bodies that touch those already taking part, in the order of the manifolds, up to the limit. Returns false if none was added.
+// Adds the bodies that rest on those which a soft body carries, in the order of the manifolds, up to the limit. Returns false if none was
+// added. What supports a soft body from below or beside it carries what Bullet finds, and nothing else depends on its exact solution.
 bool BlockReach::addRing()
 {
 	constexpr unsigned char kTaken = 1, kNext = 2;
@@ -82,12 +94,13 @@ bool BlockReach::addRing()
 	for ( const Edge& edge : m_edges )
 	{
 		const bool isInA = m_takesPart[std::size_t( edge.a )] == kTaken, isInB = m_takesPart[std::size_t( edge.b )] == kTaken;
-		const int other = isInA ? edge.b : edge.a;
+		const int inner = isInA ? edge.a : edge.b, other = isInA ? edge.b : edge.a;
 		int& taken = m_taken[std::size_t( edge.block )];
-		if ( m_rigidCount[std::size_t( edge.block )] > kMostBlockRigid && isInA != isInB && m_takesPart[std::size_t( other )] == 0 &&
-			taken < kMostBlockRigid )
+		if ( m_rigidCount[std::size_t( edge.block )] > kWholeBlockRigid && isInA != isInB && m_isCarried[std::size_t( inner )] != 0 &&
+			m_takesPart[std::size_t( other )] == 0 && taken < kMostBlockRigid && isCarried( *edge.manifold, isInB ) )
 		{
 			m_takesPart[std::size_t( other )] = kNext;
+			m_isCarried[std::size_t( other )] = 1;
 			++taken;
 			m_next.push_back( other );
 		}
@@ -99,18 +112,23 @@ bool BlockReach::addRing()
 	return !m_next.empty();
 }
 
-// Breadth first: the bodies that touch a soft body, then those that touch them, and so on.
-void BlockReach::choose( btDispatcher& dispatcher, const Attachments& attachments, const BlockLookup& lookup, int blocks )
+// Breadth first: the bodies that touch a soft body, then those that rest on them, and so on.
+void BlockReach::choose( btDispatcher& dispatcher, const Attachments& attachments, const BlockLookup& lookup, int blocks,
+	const btVector3& gravity, const ManifoldFilter& taken )
 {
 	std::fill( m_takesPart.begin(), m_takesPart.end(), static_cast<unsigned char>( 0 ) );
 	std::fill( m_isKnown.begin(), m_isKnown.end(), static_cast<unsigned char>( 0 ) );
 	m_rigidCount.assign( std::size_t( blocks ), 0 );
 	m_taken.assign( std::size_t( blocks ), 0 );
+	std::fill( m_isCarried.begin(), m_isCarried.end(), static_cast<unsigned char>( 0 ) );
+	m_up = gravity.fuzzyZero() ? btVector3( 0, 0, 0 ) : -gravity.normalized();
 	m_edges.clear();
-	forEachManifold( dispatcher, prefetchEnd, [&]( const btPersistentManifold& manifold ) {
-		if ( manifold.getNumContacts() > 0 )
+	m_manifolds.clear();
+	forEachManifold( dispatcher, prefetchEnd, [&]( btPersistentManifold& manifold ) {
+		const bool isInBlock = manifold.getNumContacts() > 0 && addManifold( manifold, lookup );
+		if ( isInBlock || taken.mayContain( manifold ) )
 		{
-			addManifold( manifold, lookup );
+			m_manifolds.push_back( &manifold );
 		}
 	} );
 	for ( const Attachment& attachment : attachments.all() )
@@ -118,7 +136,7 @@ void BlockReach::choose( btDispatcher& dispatcher, const Attachments& attachment
 		const int block = lookup.blockOf( *attachment.first.body );
 		if ( block >= 0 && attachment.rigid && isDynamicRigid( *attachment.rigid ) )
 		{
-			addBody( *attachment.rigid, block, true );
+			addBody( *attachment.rigid, block, true, true );
 		}
 	}
 	while ( addRing() )
@@ -129,7 +147,7 @@ bool BlockReach::takesPart( int block, const btCollisionObject& rigid ) const
 {
 	const int index = rigid.getWorldArrayIndex();
 	// Soft bodies in their rigid state often lie in heaps: those that touch a deformable body take part, the others do not.
-	return ( m_rigidCount[std::size_t( block )] <= kMostBlockRigid && !ownerOfRigidProxy( &rigid ) ) ||
+	return ( m_rigidCount[std::size_t( block )] <= kWholeBlockRigid && !ownerOfRigidProxy( &rigid ) ) ||
 		( index >= 0 && index < int( m_takesPart.size() ) && m_takesPart[std::size_t( index )] == 1 );
 }
 

@@ -171,13 +171,14 @@ void BlockSolve::makeBlocks( const std::vector<SoftBody*>& awake, const Attachme
 	}
 }
 
-void BlockSolve::before( const std::vector<SoftBody*>& awake, Attachments& attachments, const JointGroup::Joints& joints,
-	btDispatcher& dispatcher, const btContactSolverInfo& info, TaskRunner* runner )
+void BlockSolve::before( const Scene& scene, TaskRunner* runner )
 {
+	Attachments& attachments = scene.attachments;
+	const btContactSolverInfo& info = scene.info;
 	m_count = BlockCount{};
 	m_h = double( info.m_timeStep );
 	++m_stamp;
-	makeBlocks( awake, attachments );
+	makeBlocks( scene.awake, attachments );
 	std::for_each( m_blocks.begin(), m_blocks.end(),
 		[&]( IslandBlock& block ) { block.bounceThreshold = double( info.m_restitutionVelocityThreshold ); } );
 	const bool hadBlocks = m_hadBlocks;
@@ -186,20 +187,21 @@ void BlockSolve::before( const std::vector<SoftBody*>& awake, Attachments& attac
 	{
 		if ( hadBlocks )
 		{
-			m_contacts.gather( dispatcher, info, *this, m_blocks ); // finds none, and clears stale friction impulses
+			m_reach.choose( scene.dispatcher, attachments, *this, 0, scene.gravity, scene.taken );
+			m_contacts.gather( m_reach.manifolds(), info, *this, m_blocks, scene.taken ); // finds none, and clears stale friction impulses
 		}
 		m_outside.clear();
 		return;
 	}
-	m_reach.choose( dispatcher, attachments, *this, int( m_tagOf.size() ) );
-	m_contacts.gather( dispatcher, info, *this, m_blocks );
+	m_reach.choose( scene.dispatcher, attachments, *this, int( m_tagOf.size() ), scene.gravity, scene.taken );
+	m_contacts.gather( m_reach.manifolds(), info, *this, m_blocks, scene.taken );
 	m_contacts.gatherAttachments( attachments, m_h, *this, m_blocks );
 	for ( std::size_t k = 0; k < m_tagOf.size(); ++k )
 	{
 		m_moved.measureLinks( m_blocks[k] );
 		if ( !attachments.isEmpty() )
 		{
-			m_moved.measureJointed( m_blocks[k], attachments, joints, double( info.m_erp ) );
+			m_moved.measureJointed( m_blocks[k], attachments, scene.joints, double( info.m_erp ) );
 		}
 	}
 	m_outside.erase(

@@ -25,10 +25,19 @@ struct OutsideImpulse
 class BlockSolve : private BlockLookup
 {
 public:
-	/// Solves the blocks of the `awake` bodies, sets the velocities of nodes and rigid bodies, and hides the blocks' contacts from Bullet.
-	/// `joints`: of the pass.
-	void before( const std::vector<SoftBody*>& awake, Attachments& attachments, const JointGroup::Joints& joints, btDispatcher& dispatcher,
-		const btContactSolverInfo& info, TaskRunner* runner );
+	/// The input of before().
+	struct Scene
+	{
+		const std::vector<SoftBody*>& awake;
+		Attachments& attachments;
+		const JointGroup::Joints& joints; ///< of the pass
+		btDispatcher& dispatcher;
+		const btContactSolverInfo& info;
+		btVector3 gravity;     ///< m/s^2
+		ManifoldFilter& taken; ///< the manifolds of all passes' blocks
+	};
+	/// Solves the blocks of the awake bodies, sets the velocities of nodes and rigid bodies, and hides the blocks' contacts from Bullet.
+	void before( const Scene& scene, TaskRunner* runner );
 	/// Called after Bullet's solver: records its impulses on the rigid bodies as the expectation for the next substep.
 	void after();
 	/// Called once the impulses have been reported: sets those that the next substep starts from.

@@ -143,6 +143,18 @@ bool ImplicitChoice::isTooHeavilyLoaded( SoftBody& body, const btDiscreteDynamic
 	return state.heaviestLoad > capacity * face || state.load > capacity;
 }
 
+bool ImplicitChoice::mayLeaveGroup( const SoftBody& body )
+{
+	return isAutomatic( body ) && !body.impl().elasticity.isImplicit && body.fracture().rule == BreakRule::Never;
+}
+
+void ImplicitChoice::leaveGroup( SoftBody& body )
+{
+	ElasticityState& state = body.impl().elasticity;
+	state.isImplicit = true;
+	state.calmTime = 0.0;
+}
+
 void ImplicitChoice::choose( const std::vector<SoftBody*>& bodies, btDiscreteDynamicsWorld& world, btScalar gameStep, int substeps )
 {
 	m_automatic.clear();

@@ -19,6 +19,12 @@ public:
 	/// Decides for all bodies with Elasticity::Automatic, island by island. `substeps`: the number that explicit bodies would get.
 	void choose( const std::vector<SoftBody*>& bodies, btDiscreteDynamicsWorld& world, btScalar gameStep, int substeps );
 
+	/// Whether an explicit body may take the implicit step because of the rigid bodies that its substeps would move: those that can break
+	/// may not, since fewer links break in the implicit step.
+	static bool mayLeaveGroup( const SoftBody& body );
+	/// Chooses the implicit step for such a body.
+	static void leaveGroup( SoftBody& body );
+
 private:
 	void measureLoads( btDiscreteDynamicsWorld& world );
 	bool isTooStiff( const SoftBody& body, btScalar gameStep, int substeps ) const;

@@ -17,17 +17,19 @@ void MovedContacts::moveToNodes( btDispatcher& dispatcher, const btContactSolver
 	m_moved.clear();
 	m_deep.clear();
 	m_hasRollingFriction = false;
-	const auto prefetchPoint = []( const btPersistentManifold& manifold ) {
-		prefetchEnd( manifold );
-		prefetch( &manifold,
-			offsetof( btManifoldPoint, m_partId0 ) + sizeof( btVector3 ) ); // position of the first point, and its surface properties
-	};
-	forEachManifold( dispatcher, prefetchPoint, [this, deepest]( btPersistentManifold& manifold ) {
-		const bool nodeIsFirst = ownerOfContactProxy( manifold.getBody0() ) != nullptr;
-		if ( !nodeIsFirst && !ownerOfContactProxy( manifold.getBody1() ) )
+	m_manifolds.clear();
+	forEachManifold( dispatcher, prefetchEnd, [this]( btPersistentManifold& manifold ) {
+		if ( ownerOfContactProxy( manifold.getBody0() ) || ownerOfContactProxy( manifold.getBody1() ) )
 		{
-			return;
+			m_manifolds.push_back( &manifold );
 		}
+	} );
+	for ( std::size_t m = 0; m < m_manifolds.size(); ++m )
+	{
+		prefetch( m_manifolds[std::min( m + kPositionsAhead, m_manifolds.size() - 1 )],
+			offsetof( btManifoldPoint, m_partId0 ) + sizeof( btVector3 ) ); // position of the first point, and its surface properties
+		btPersistentManifold& manifold = *m_manifolds[m];
+		const bool nodeIsFirst = ownerOfContactProxy( manifold.getBody0() ) != nullptr;
 		const auto& node = static_cast<const ContactProxy&>( *( nodeIsFirst ? manifold.getBody0() : manifold.getBody1() ) );
 		const btScalar radius = node.radius();
 		const btScalar deep = -kDeepFraction * radius;
@@ -49,7 +51,7 @@ void MovedContacts::moveToNodes( btDispatcher& dispatcher, const btContactSolver
 			}
 			position += point.m_normalWorldOnB * ( nodeIsFirst ? fromSurface : -fromSurface );
 		}
-	} );
+	}
 }
 
 void MovedContacts::moveBack()

@@ -7,6 +7,7 @@
 #include <vector>
 
 class btDispatcher;
+class btPersistentManifold;
 struct btContactSolverInfo;
 
 namespace pliant {
@@ -37,6 +38,7 @@ private:
 		btScalar original;
 	};
 
+	std::vector<btPersistentManifold*> m_manifolds; ///< with a node
 	std::vector<Moved> m_moved;
 	std::vector<Deep> m_deep;
 	bool m_hasRollingFriction = false;

@@ -27,42 +27,6 @@ bool SoftBodySystem::hasAwakeBody() const
 	return std::any_of( m_bodies.begin(), m_bodies.end(), [this]( const SoftBody* body ) { return moves( *body ); } );
 }
 
-int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid,
-	const btAlignedObjectArray<btTypedConstraint*>& constraints, bool canSplit )
-{
-	// The user's number of substeps is per 1/60 s; a longer step gets proportionally more, so that behaviour does not depend on the frame
-	// rate.
-	const int nominal = int( std::ceil( double( substeps ) * gameStep / kNominalStep - 1e-3 ) );
-	const int usual = std::max( substeps, std::min( nominal, std::max( substeps, maxSubsteps ) ) );
-	m_choice.choose( m_bodies, m_world, gameStep, usual );
-	int count = 1; // enough for implicit bodies
-	m_substepped.clear();
-	for ( SoftBody* body : m_bodies )
-	{
-		if ( !moves( *body ) || body->impl().rigidProxy || isImplicitPoint( *body ) )
-		{
-			continue;
-		}
-		const bool isImplicit = stepsImplicitly( *body );
-		if ( !isImplicit || resolvesVibrations( *body, double( gameStep ) / usual ) )
-		{
-			m_substepped.push_back( body );
-			count = std::max( count, usual );
-		}
-		if ( !isImplicit )
-		{
-			count = std::max( count, std::min( planOf( *body, gameStep, count ).substepsNeeded, maxSubsteps ) );
-		}
-	}
-	group.choose( SubstepGroup::Scene{ m_world, m_bodies, rigid, constraints, attachments, frames, canSplit }, m_substepped, gameStep );
-	return std::min( count, kLargestSubsteps );
-}
-
-int SoftBodySystem::substepsOf( const SoftBody& body ) const
-{
-	return group.isEmpty() || ( group.isSplit() && !group.contains( body ) ) ? 1 : m_substepCount;
-}
-
 bool SoftBodySystem::isAwakeIn( int island ) const
 {
 	const auto isIn = [island]( const SoftBody* body ) { return body->getIslandTag() == island; };
@@ -78,6 +42,7 @@ void SoftBodySystem::beginPass( StepPass pass )
 void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 {
 	++m_steps;
+	m_inBlocks.beginStep();
 	m_gameStep = gameStep;
 	m_substepCount = substepCount;
 	report = StepReport{};
@@ -324,7 +289,7 @@ void SoftBodySystem::solveImplicit(
 	double spent = 0.0; // s, counted as matching and not as Bullet's solver
 	{
 		Stopwatch watch( spent );
-		implicitSolve().before( m_awake, attachments, joints, dispatcher, info, tasks() );
+		implicitSolve().before( { m_awake, attachments, joints, dispatcher, info, m_world.getGravity(), m_inBlocks }, tasks() );
 	}
 	report.matching += spent;
 	report.solve -= spent; // the caller's stopwatch includes it

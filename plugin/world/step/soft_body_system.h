@@ -231,6 +231,8 @@ private:
 	void pressFrames( bool isOn );
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
+	int listSubstepped( btScalar gameStep, int usual );
+	bool leaveLargeGroups( const SubstepGroup::Scene& scene, btScalar gameStep, int count );
 	bool canBeRigid( const SoftBody& body ) const;
 	double loadOn( const SoftBody& body ) const; ///< sum of the contact forces on a deformable body, N
 	/// Brakes bodies in their rigid state that touch something: their spin about the normal, and too fast a rotation.
@@ -247,6 +249,7 @@ private:
 	std::vector<SoftBody*> m_bodies;              ///< ascending by serial
 	std::vector<ContactProxy*> m_predictive;
 	BlockSolve m_implicit[2]; ///< by pass
+	ManifoldFilter m_inBlocks;
 	TunnelingGuard m_guard;
 	ImplicitChoice m_choice;
 	std::vector<SoftBody*> m_awake;              ///< in this substep, deformable

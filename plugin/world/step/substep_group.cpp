@@ -327,17 +327,25 @@ bool SubstepGroup::includeJoined( const Scene& scene )
 	return isChanged;
 }
 
+int SubstepGroup::rigidCount( const Scene& scene ) const
+{
+	int count = 0;
+	for ( int i = 0; i < scene.rigid.size(); ++i )
+	{
+		count += scene.rigid[i]->isActive() && contains( *scene.rigid[i] ) ? 1 : 0;
+	}
+	return count;
+}
+
 void SubstepGroup::choose( const Scene& scene, const std::vector<SoftBody*>& substepped, btScalar gameStep )
 {
 	const btCollisionObjectArray& objects = scene.world.getCollisionObjectArray();
-	m_wasMember.swap( m_isMember );
 	m_isMember.assign( std::size_t( objects.size() ), 0 );
 	m_tags.assign( m_tags.size(), 0 );
 	m_isEmpty = substepped.empty();
 	m_isSplit = false;
 	if ( m_isEmpty )
 	{
-		m_joinedTags.clear();
 		return;
 	}
 	for ( const SoftBody* body : substepped )
@@ -348,7 +356,6 @@ void SubstepGroup::choose( const Scene& scene, const std::vector<SoftBody*>& sub
 	includeIslands( scene );
 	while ( includeJoined( scene ) && includeIslands( scene ) )
 	{}
-	m_joinedTags.clear();
 	for ( int i = 0; i < objects.size() && scene.canSplit && !m_isSplit; ++i )
 	{
 		m_isSplit = canMove( *objects[i] ) && objects[i]->isActive() && !contains( *objects[i] );

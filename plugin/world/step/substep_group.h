@@ -51,8 +51,14 @@ public:
 		bool canSplit; ///< false: the group has all movable objects or none
 	};
 
-	/// Selects the group. `substepped`: the awake explicit soft bodies; if empty, so is the group. `gameStep` in s.
+	/// Begins a game step: `didContain` then refers to the group so far.
+	void beginStep() { m_wasMember.swap( m_isMember ); }
+	/// Selects the group. `substepped`: the awake explicit soft bodies; if empty, so is the group. `gameStep` in s. The last selection of a
+	/// step counts; endChoice() is called after it.
 	void choose( const Scene& scene, const std::vector<SoftBody*>& substepped, btScalar gameStep );
+	void endChoice() { m_joinedTags.clear(); }
+	/// Number of awake rigid bodies in the group.
+	int rigidCount( const Scene& scene ) const;
 	bool isEmpty() const { return m_isEmpty; }
 	/// Whether there are awake objects outside a group that is not empty.
 	bool isSplit() const { return m_isSplit; }

@@ -1,0 +1,89 @@
+// How many substeps a game step takes, and which bodies and objects take them.
+
+#include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
+#include "world/step/soft_body_system.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid,
+	const btAlignedObjectArray<btTypedConstraint*>& constraints, bool canSplit )
+{
+	// The user's number of substeps is per 1/60 s; a longer step gets proportionally more, so that behaviour does not depend on the frame
+	// rate.
+	const int nominal = int( std::ceil( double( substeps ) * gameStep / kNominalStep - 1e-3 ) );
+	const int usual = std::max( substeps, std::min( nominal, std::max( substeps, maxSubsteps ) ) );
+	m_choice.choose( m_bodies, m_world, gameStep, usual );
+	int count = listSubstepped( gameStep, usual );
+	const SubstepGroup::Scene scene{ m_world, m_bodies, rigid, constraints, attachments, frames, canSplit };
+	group.beginStep();
+	group.choose( scene, m_substepped, gameStep );
+	if ( leaveLargeGroups( scene, gameStep, count ) )
+	{
+		count = listSubstepped( gameStep, usual );
+		group.choose( scene, m_substepped, gameStep );
+	}
+	group.endChoice();
+	return std::min( count, kLargestSubsteps );
+}
+
+/// Lists the bodies that take substeps; returns the number that they need. `usual`: the number that explicit ones have at least.
+int SoftBodySystem::listSubstepped( btScalar gameStep, int usual )
+{
+	int count = 1; // enough for implicit bodies
+	m_substepped.clear();
+	for ( SoftBody* body : m_bodies )
+	{
+		if ( !moves( *body ) || body->impl().rigidProxy || isImplicitPoint( *body ) )
+		{
+			continue;
+		}
+		const bool isImplicit = stepsImplicitly( *body );
+		if ( !isImplicit || resolvesVibrations( *body, double( gameStep ) / usual ) )
+		{
+			m_substepped.push_back( body );
+			count = std::max( count, usual );
+		}
+		if ( !isImplicit )
+		{
+			count = std::max( count, std::min( planOf( *body, gameStep, count ).substepsNeeded, maxSubsteps ) );
+		}
+	}
+	return count;
+}
+
+// Rigid bodies that an explicit one touches take its substeps, and so do those that they touch: in a heap, all of it. Returns whether a
+// body takes the implicit step instead.
+bool SoftBodySystem::leaveLargeGroups( const SubstepGroup::Scene& scene, btScalar gameStep, int count )
+{
+	const auto isTooLarge = [&]() { return group.rigidCount( scene ) * ( count - 1 ) > kMostRigidSubsteps; };
+	if ( !isTooLarge() )
+	{
+		return false;
+	}
+	bool hasLeft = false;
+	for ( SoftBody* body : m_substepped )
+	{
+		if ( ImplicitChoice::mayLeaveGroup( *body ) )
+		{
+			group.choose( scene, { body }, gameStep );
+			if ( isTooLarge() )
+			{
+				ImplicitChoice::leaveGroup( *body );
+				hasLeft = true;
+			}
+		}
+	}
+	group.choose( scene, m_substepped, gameStep );
+	return hasLeft;
+}
+
+int SoftBodySystem::substepsOf( const SoftBody& body ) const
+{
+	return group.isEmpty() || ( group.isSplit() && !group.contains( body ) ) ? 1 : m_substepCount;
+}
+
+} // namespace pliant
