@@ -315,8 +315,8 @@ void NodeShape::setSweep( const btVector3& low, const btVector3& high )
 std::size_t NodeShape::bytes() const
 {
 	return std::size_t( m_children.size() ) * ( sizeof( btCompoundShapeChild ) + sizeof( btDbvtNode ) + sizeof( int ) ) +
-		m_refit.count() * ( sizeof( btDbvtNode ) + sizeof( void* ) ) +
-		m_childOfNode.size() * ( sizeof( int ) + sizeof( void* ) ) + m_colliders.bytes() + m_rows.bytes();
+		m_refit.count() * ( sizeof( btDbvtNode ) + sizeof( void* ) ) + m_childOfNode.size() * ( sizeof( int ) + sizeof( void* ) ) +
+		m_colliders.bytes() + m_rows.bytes();
 }
 
 // Those of an unbroken body without levels follow from its lattice. On levels the number that a child has depends on the changes so far,
