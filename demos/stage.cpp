@@ -161,6 +161,14 @@ pliant::SoftBody* Stage::addSoft( const SoftOrder& order )
 			return nullptr;
 		}
 	}
+	if ( order.fracture.rule == pliant::BreakRule::Shards ) // now, and not in the frame in which it shatters
+	{
+		if ( const pliant::Status status = body.value->prepareCracks(); !status.ok() )
+		{
+			m_status = { status.code, order.name + ": " + status.sentence };
+			return nullptr;
+		}
+	}
 	pliant::SoftBody* const added = body.value.get();
 	added->setFriction( order.friction );
 	m_host->addSoftBody( added );

@@ -132,8 +132,8 @@ public:
 	/// The settings of the last setFracture; BreakRule::Never when there was none.
 	[[nodiscard]] Fracture fracture() const;
 	/// Computes in advance the data for the first crack of a body, which is most of its cost: data that bodies of one template share until
-	/// then and, for a drawn body, the crack faces. Takes the memory of a cracked body. For whole bodies, before or after setFracture;
-	/// changes nothing visible. Errors: OutOfMemory; BadArgument in a build without Feature::Fracture or Feature::Surface.
+	/// then and, for a drawn body, the crack faces. Takes the memory of a cracked body. For whole bodies, after setFracture, whose rule it
+	/// prepares for; changes nothing visible. Errors: OutOfMemory; BadArgument in a build without Feature::Fracture or Feature::Surface.
 	Status prepareCracks();
 	/// Number of finest cells of this body; equals the number of nodes without levels of detail.
 	[[nodiscard]] int cellCount() const;

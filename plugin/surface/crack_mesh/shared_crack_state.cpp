@@ -3,6 +3,7 @@
 #include "lattice/assert_valid.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace pliant {
 
@@ -13,14 +14,39 @@ constexpr std::size_t kFewFaces = 16;
 
 } // namespace
 
-SharedCrackState::SharedCrackState( const CrackSurface& whole, std::shared_ptr<const CrackPatches> patches, const float* texture ) :
-	m_patches( std::move( patches ) ), m_unbroken( &whole ), m_input( texture )
+SharedCrackState::SharedCrackState(
+	const CrackSurface& whole, std::shared_ptr<const CrackPatches> patches, const float* texture, bool shatters ) :
+	m_patches( std::move( patches ) ),
+	m_unbroken( &whole ), m_input( texture ), m_shatters( shatters )
 {}
 
+// The view of the whole body is made and dropped: its gatherer keeps the memory for all views.
 void SharedCrackState::prepare()
 {
 	const std::lock_guard<std::mutex> lock( m_mutex );
-	startGrowing();
+	m_path = m_path ? std::move( m_path ) : std::make_unique<BladePath>( m_patches->complex );
+	if ( !m_shatters )
+	{
+		startGrowing();
+		return;
+	}
+	startSides( nullptr );
+	std::vector<std::uint32_t> all( std::size_t( m_patches->complex->cellCount() ) );
+	std::iota( all.begin(), all.end(), 0u );
+	CrackView view;
+	m_gatherer.push_back( std::make_unique<CrackGatherer>() );
+	m_gatherer.back()->gather( *m_sides, all, Vec3::Zero(), view );
+}
+
+/// Passes from the growing surface to patches.
+void SharedCrackState::startSides( TaskRunner* runner )
+{
+	if ( !m_sides )
+	{
+		m_sides = std::make_unique<CrackSides>( m_patches, m_whole ? *m_whole : *m_unbroken, runner );
+		m_whole.reset();
+		m_texture = {};
+	}
 }
 
 /// Creates the growing surface, unless there is one or patches are used.
@@ -68,11 +94,9 @@ std::vector<std::uint32_t> SharedCrackState::pendingFaces() const
 void SharedCrackState::processBreaks( bool isWhole, TaskRunner* runner )
 {
 	const std::vector<std::uint32_t> faces = pendingFaces();
-	if ( !m_sides && ( !isWhole || faces.size() * kFewFaces > m_patches->complex->face.size() ) )
+	if ( !m_sides && ( m_shatters || !isWhole || faces.size() * kFewFaces > m_patches->complex->face.size() ) )
 	{
-		m_sides = std::make_unique<CrackSides>( m_patches, m_whole ? *m_whole : *m_unbroken, runner );
-		m_whole.reset();
-		m_texture = {};
+		startSides( runner );
 	}
 	startGrowing();
 	if ( !m_newTraces.empty() )

@@ -21,11 +21,10 @@ class SharedCrackState
 {
 public:
 	/// `whole`: of all cells, nothing broken. `patches`: made from it with `texture`: u, v of the input's vertices, or null. `whole` and
-	/// `texture` must outlive this object.
-	SharedCrackState( const CrackSurface& whole, std::shared_ptr<const CrackPatches> patches, const float* texture );
+	/// `texture` must outlive this object. `shatters`: uses patches from the first crack on, for a body that breaks into pieces at once.
+	SharedCrackState( const CrackSurface& whole, std::shared_ptr<const CrackPatches> patches, const float* texture, bool shatters = false );
 
-	/// Copies `whole` ahead of time; otherwise it is copied when a whole body is first shown with cracks. Bodies that shatter at once do
-	/// not need it.
+	/// Does ahead of time what the first cracks need.
 	void prepare();
 
 	/// Adds broken links, as indices of the template. They are processed at the next request.
@@ -49,6 +48,7 @@ public:
 private:
 	std::vector<std::uint32_t> pendingFaces() const;
 	void startGrowing();
+	void startSides( TaskRunner* runner );
 	void updateTexture();
 	void processBreaks( bool isWhole, TaskRunner* runner );
 	void showWhole( CrackView& view ) const;
@@ -57,6 +57,7 @@ private:
 	std::shared_ptr<const CrackPatches> m_patches;
 	const CrackSurface* m_unbroken; ///< without broken faces
 	const float* m_input;
+	bool m_shatters;
 	std::unique_ptr<CrackSurface> m_whole;
 	std::vector<float> m_texture; ///< of m_whole
 	std::unique_ptr<CrackSides> m_sides;

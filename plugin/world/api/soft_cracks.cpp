@@ -157,8 +157,8 @@ void SoftBody::Impl::makeSharedCrackState()
 {
 	if ( !crackFamily && body->firstCells().empty() && bodyTemplate->crackPatches() )
 	{
-		crackFamily = std::make_shared<SharedCrackState>(
-			*bodyTemplate->crackSurface(), bodyTemplate->crackPatches(), bodyTemplate->textureCoordinates() );
+		crackFamily = std::make_shared<SharedCrackState>( *bodyTemplate->crackSurface(), bodyTemplate->crackPatches(),
+			bodyTemplate->textureCoordinates(), body->fracture().rule == BreakRule::Shards );
 	}
 }
 

@@ -363,7 +363,7 @@ TEST( Fracture, SurfacesOfPiecesAreClosedAndSeparate )
 }
 
 /// Drawn in every frame, bodies show the cracks of their family; drawn once at the end, those of their own links.
-TEST( Fracture, TheSurfaceDoesNotDependOnHowOftenItIsDrawn )
+void expectTheSameSurfaces( const Fracture& fracture, int leastBodies )
 {
 	enum Drawing
 	{
@@ -377,7 +377,7 @@ TEST( Fracture, TheSurfaceDoesNotDependOnHowOftenItIsDrawn )
 		TestWorld test;
 		test.world.setGravity( btVector3( 0, 0, 0 ) );
 		SoftBody* soft = test.addSoft( block( 10, 4, 4, 0.1f ), at( 0, 1, 0 ), stiff( 1e5f ) );
-		ASSERT_TRUE( soft->setFracture( breaksAt( 0.03f ) ).ok() );
+		ASSERT_TRUE( soft->setFracture( fracture ).ok() );
 		soft->setSurfaceTolerance( 0 ); // bit-identical
 		EXPECT_TRUE( drawing != Prepared || soft->prepareCracks().ok() );
 		EXPECT_EQ( soft->impl().crackFamily != nullptr, drawing == Prepared );
@@ -390,15 +390,25 @@ TEST( Fracture, TheSurfaceDoesNotDependOnHowOftenItIsDrawn )
 			}
 			test.run( 1 );
 		}
-		ASSERT_GE( test.world.softBodyCount(), 3 );
+		ASSERT_GE( test.world.softBodyCount(), leastBodies );
 		for ( const SoftBody* body : allSoft( test.world ) )
 		{
 			EXPECT_EQ( body->impl().crackFamily != nullptr, drawing != Once );
 			drawn[drawing].push_back( test::trianglesOf( body->surface() ) );
 		}
 	}
-	EXPECT_EQ( drawn[Once], drawn[Always] );
-	EXPECT_EQ( drawn[Once], drawn[Prepared] );
+	EXPECT_TRUE( drawn[Once] == drawn[Prepared] );
+	// docs/guide/limits.md: some corners of shards depend on how often they were drawn.
+	EXPECT_TRUE( fracture.rule == BreakRule::Shards || drawn[Once] == drawn[Always] );
+}
+
+TEST( Fracture, TheSurfaceDoesNotDependOnHowOftenItIsDrawn )
+{
+	expectTheSameSurfaces( breaksAt( 0.03f ), 3 );
+	Fracture shards = breaksAt( 0.03f );
+	shards.rule = BreakRule::Shards;
+	shards.shardSize = 0.2f;
+	expectTheSameSurfaces( shards, 3 );
 }
 
 } // namespace
