@@ -155,15 +155,12 @@ pliant::SoftBody* Stage::addSoft( const SoftOrder& order )
 	}
 	if ( order.fracture.rule != pliant::BreakRule::Never )
 	{
-		if ( const pliant::Status status = body.value->setFracture( order.fracture, order.toughness ); !status.ok() )
+		pliant::Status status = body.value->setFracture( order.fracture, order.toughness );
+		if ( status.ok() && order.fracture.rule == pliant::BreakRule::Shards )
 		{
-			m_status = { status.code, order.name + ": " + status.sentence };
-			return nullptr;
+			status = body.value->prepareCracks(); // now, and not in the frame in which it shatters
 		}
-	}
-	if ( order.fracture.rule == pliant::BreakRule::Shards ) // now, and not in the frame in which it shatters
-	{
-		if ( const pliant::Status status = body.value->prepareCracks(); !status.ok() )
+		if ( !status.ok() )
 		{
 			m_status = { status.code, order.name + ": " + status.sentence };
 			return nullptr;

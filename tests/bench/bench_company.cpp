@@ -1,13 +1,12 @@
 // Scenes as in Bullet's own benchmark demo, in Bullet's world with a rigid box among the others and in ours with a soft cube of 216 nodes
 // and of the same mass in its place. Counters: mean frame of both worlds, ms, and their ratio.
 
-#include "support/test_world.h"
+#include "bench_heap.h"
 
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -47,11 +46,7 @@ struct CompanyScene : World
 	/// 1 000 boxes that fall as a block.
 	void addBoxes()
 	{
-		for ( int k = 0; k < 1000; ++k )
-		{
-			const int x = k % 8, z = k / 8 % 8, y = k / 64;
-			this->add( 8, box( 0.2, 0.2, 0.2 ), at( 0.42 * x + 0.03 * ( y % 3 ), 0.25 + 0.45 * y, 0.42 * z + 0.02 * ( y % 2 ) ) );
-		}
+		test::addBoxes( *this, 1000, 8, 8 );
 		top = at( 1.5, 8.0, 1.4 );
 	}
 	/// A wall of 240 boxes, and a pyramid of 285.
@@ -162,14 +157,6 @@ void fill( Scene& scene, HillyGround& hills, int kind )
 	kind == 0 ? scene.addBoxes() : kind == 1 ? scene.addStacks() : scene.addFigures();
 }
 
-template <class Scene>
-double timeOfFrame( Scene& scene )
-{
-	const auto begin = std::chrono::steady_clock::now();
-	scene.step( 1 );
-	return std::chrono::duration<double, std::milli>( std::chrono::steady_clock::now() - begin ).count();
-}
-
 /// kind: 0 boxes, 1 wall and pyramid, 2 figures, 3 hulls on a mesh. kPa: Young's modulus; 0: the default. Frame by frame in turn.
 void company( benchmark::State& state )
 {
@@ -191,7 +178,7 @@ void company( benchmark::State& state )
 		double rigidSum = 0, softSum = 0, rigidWorst = 0, softWorst = 0;
 		for ( int k = 0; k < kCompanyFrames; ++k )
 		{
-			const double ofRigid = timeOfFrame( rigid ), ofSoft = timeOfFrame( soft );
+			const double ofRigid = test::timeOfFrame( rigid ), ofSoft = test::timeOfFrame( soft );
 			rigidSum += ofRigid;
 			softSum += ofSoft;
 			rigidWorst = std::max( rigidWorst, ofRigid );

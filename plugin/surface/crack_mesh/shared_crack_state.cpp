@@ -24,12 +24,16 @@ SharedCrackState::SharedCrackState(
 void SharedCrackState::prepare()
 {
 	const std::lock_guard<std::mutex> lock( m_mutex );
-	m_path = m_path ? std::move( m_path ) : std::make_unique<BladePath>( m_patches->complex );
+	if ( m_sides )
+	{
+		return;
+	}
 	if ( !m_shatters )
 	{
 		startGrowing();
 		return;
 	}
+	m_path = std::make_unique<BladePath>( m_patches->complex );
 	startSides( nullptr );
 	std::vector<std::uint32_t> all( std::size_t( m_patches->complex->cellCount() ) );
 	std::iota( all.begin(), all.end(), 0u );
@@ -38,15 +42,12 @@ void SharedCrackState::prepare()
 	m_gatherer.back()->gather( *m_sides, all, Vec3::Zero(), view );
 }
 
-/// Passes from the growing surface to patches.
+/// Passes from the growing surface, if there is one, to patches.
 void SharedCrackState::startSides( TaskRunner* runner )
 {
-	if ( !m_sides )
-	{
-		m_sides = std::make_unique<CrackSides>( m_patches, m_whole ? *m_whole : *m_unbroken, runner );
-		m_whole.reset();
-		m_texture = {};
-	}
+	m_sides = std::make_unique<CrackSides>( m_patches, m_whole ? *m_whole : *m_unbroken, runner );
+	m_whole.reset();
+	m_texture = {};
 }
 
 /// Creates the growing surface, unless there is one or patches are used.

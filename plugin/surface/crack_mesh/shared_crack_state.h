@@ -24,7 +24,7 @@ public:
 	/// `texture` must outlive this object. `shatters`: uses patches from the first crack on, for a body that breaks into pieces at once.
 	SharedCrackState( const CrackSurface& whole, std::shared_ptr<const CrackPatches> patches, const float* texture, bool shatters = false );
 
-	/// Does ahead of time what the first cracks need.
+	/// Does ahead of time what the first cracks need; nothing where there are cracks.
 	void prepare();
 
 	/// Adds broken links, as indices of the template. They are processed at the next request.

@@ -40,7 +40,7 @@ bool BlockReach::isCarried( const btPersistentManifold& manifold, bool isFirst )
 	return m_up.isZero() || ( isFirst ? rise : -rise ) > btScalar( kSupportSlope );
 }
 
-void BlockReach::addBody( const btCollisionObject& rigid, int block, bool touchesSoft, bool isCarried )
+void BlockReach::addBody( const btCollisionObject& rigid, int block, bool touchesSoft, bool restsOnSoft )
 {
 	const int index = rigid.getWorldArrayIndex();
 	unsigned char& isKnown = flagAt( m_isKnown, index );
@@ -53,7 +53,7 @@ void BlockReach::addBody( const btCollisionObject& rigid, int block, bool touche
 		++m_taken[std::size_t( block )];
 	}
 	unsigned char& carried = flagAt( m_isCarried, index );
-	carried = carried || isCarried ? 1 : 0;
+	carried = carried || restsOnSoft ? 1 : 0;
 }
 
 /// Returns whether the manifold has a soft body or is in the island of a block.

@@ -6,7 +6,6 @@
 
 #include <LinearMath/btVector3.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -27,9 +26,13 @@ class ManifoldFilter
 {
 public:
 	void beginStep() { ++m_step; }
-	void add( const btPersistentManifold& manifold ) { m_added[slot( manifold )] = m_step; }
-	void addAll() { m_added.fill( m_step ); }
-	bool mayContain( const btPersistentManifold& manifold ) const { return m_added[slot( manifold )] + 1 >= m_step; }
+	void add( const btPersistentManifold& manifold )
+	{
+		m_added.resize( kSlots, 0 );
+		m_added[slot( manifold )] = m_step;
+	}
+	void addAll() { m_added.assign( kSlots, m_step ); }
+	bool mayContain( const btPersistentManifold& manifold ) const { return !m_added.empty() && m_added[slot( manifold )] + 1 >= m_step; }
 
 private:
 	static constexpr std::size_t kSlots = 4096, kBytes = 512; ///< a manifold takes more bytes than that
@@ -39,7 +42,7 @@ private:
 	}
 
 	std::uint64_t m_step = 2;
-	std::array<std::uint64_t, kSlots> m_added = {}; ///< the last step
+	std::vector<std::uint64_t> m_added; ///< by slot: the last step; empty before the first one
 };
 
 class BlockReach
@@ -60,7 +63,7 @@ private:
 		const btPersistentManifold* manifold;
 	};
 	bool addManifold( const btPersistentManifold& manifold, const BlockLookup& lookup );
-	void addBody( const btCollisionObject& rigid, int block, bool touchesSoft, bool isCarried );
+	void addBody( const btCollisionObject& rigid, int block, bool touchesSoft, bool restsOnSoft );
 	bool isCarried( const btPersistentManifold& manifold, bool isFirst ) const;
 	bool addRing();
 

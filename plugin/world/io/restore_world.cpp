@@ -331,8 +331,8 @@ void WorldSnapshot::restoreValues()
 			carried.outside.push_back( OutsideImpulse{ isRigid ? soft->impl().rigidProxy.get() : object, outside.change } );
 		}
 		m_bodies.m_implicit[pass].carry( std::move( carried ) );
-		m_bodies.m_inBlocks.addAll();
 	}
+	m_bodies.m_inBlocks.addAll();
 	m_bodies.m_asleep.clear();
 	for ( const unsigned serial : m_values.asleep )
 	{

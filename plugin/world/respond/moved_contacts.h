@@ -20,6 +20,8 @@ public:
 	/// Also limits penetrations to the depth that Bullet pushes out at kPushOutSpeed in a step.
 	void moveToNodes( btDispatcher& dispatcher, const btContactSolverInfo& info );
 	void moveBack();
+	/// The manifolds with a node.
+	const std::vector<btPersistentManifold*>& manifolds() const { return m_manifolds; }
 	/// Number of points moved last.
 	int count() const { return int( m_moved.size() ); }
 	/// Whether any of them has rolling or spinning friction.
@@ -38,7 +40,7 @@ private:
 		btScalar original;
 	};
 
-	std::vector<btPersistentManifold*> m_manifolds; ///< with a node
+	std::vector<btPersistentManifold*> m_manifolds;
 	std::vector<Moved> m_moved;
 	std::vector<Deep> m_deep;
 	bool m_hasRollingFriction = false;

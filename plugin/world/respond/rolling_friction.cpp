@@ -35,16 +35,11 @@ void brakeAbout( RigidMotionProxy& a, RigidMotionProxy& b, const Vec3d& axis, do
 
 } // namespace
 
-void RollingFriction::hide( btDispatcher& dispatcher )
+void RollingFriction::hide( const std::vector<btPersistentManifold*>& manifolds )
 {
 	m_hidden.clear();
-	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
+	for ( btPersistentManifold* const manifold : manifolds )
 	{
-		btPersistentManifold* const manifold = dispatcher.getManifoldByIndexInternal( m );
-		if ( !ownerOfContactProxy( manifold->getBody0() ) && !ownerOfContactProxy( manifold->getBody1() ) )
-		{
-			continue;
-		}
 		for ( int k = 0; k < manifold->getNumContacts(); ++k )
 		{
 			btManifoldPoint& point = manifold->getContactPoint( k );

@@ -11,7 +11,6 @@
 #include <vector>
 
 class btCollisionObject;
-class btDispatcher;
 class btPersistentManifold;
 
 namespace pliant {
@@ -19,8 +18,8 @@ namespace pliant {
 class RollingFriction
 {
 public:
-	/// Removes rolling and spinning friction from all points of nodes, before Bullet's solver.
-	void hide( btDispatcher& dispatcher );
+	/// Removes rolling and spinning friction from all points of the manifolds, those with a node, before Bullet's solver.
+	void hide( const std::vector<btPersistentManifold*>& manifolds );
 	/// Restores it and brakes the bodies.
 	void apply();
 

@@ -232,7 +232,8 @@ private:
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
 	int listSubstepped( btScalar gameStep, int usual );
-	bool leaveLargeGroups( const SubstepGroup::Scene& scene, btScalar gameStep, int count );
+	bool isGroupTooLarge( const SubstepGroup::Scene& scene, int count ) const;
+	void leaveLargeGroups( const SubstepGroup::Scene& scene, btScalar gameStep, int count );
 	bool canBeRigid( const SoftBody& body ) const;
 	double loadOn( const SoftBody& body ) const; ///< sum of the contact forces on a deformable body, N
 	/// Brakes bodies in their rigid state that touch something: their spin about the normal, and too fast a rotation.

@@ -21,8 +21,9 @@ int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<
 	const SubstepGroup::Scene scene{ m_world, m_bodies, rigid, constraints, attachments, frames, canSplit };
 	group.beginStep();
 	group.choose( scene, m_substepped, gameStep );
-	if ( leaveLargeGroups( scene, gameStep, count ) )
+	if ( isGroupTooLarge( scene, count ) )
 	{
+		leaveLargeGroups( scene, gameStep, count );
 		count = listSubstepped( gameStep, usual );
 		group.choose( scene, m_substepped, gameStep );
 	}
@@ -55,30 +56,27 @@ int SoftBodySystem::listSubstepped( btScalar gameStep, int usual )
 	return count;
 }
 
-// Rigid bodies that an explicit one touches take its substeps, and so do those that they touch: in a heap, all of it. Returns whether a
-// body takes the implicit step instead.
-bool SoftBodySystem::leaveLargeGroups( const SubstepGroup::Scene& scene, btScalar gameStep, int count )
+// Rigid bodies that an explicit one touches take its substeps, and so do those that they touch: in a heap, all of it.
+bool SoftBodySystem::isGroupTooLarge( const SubstepGroup::Scene& scene, int count ) const
 {
-	const auto isTooLarge = [&]() { return group.rigidCount( scene ) * ( count - 1 ) > kMostRigidSubsteps; };
-	if ( !isTooLarge() )
-	{
-		return false;
-	}
-	bool hasLeft = false;
+	return group.rigidCount( scene ) * ( count - 1 ) > kMostRigidSubsteps;
+}
+
+/// Bodies that may, and whose own group is too large, take the implicit step. The group must be chosen again.
+void SoftBodySystem::leaveLargeGroups( const SubstepGroup::Scene& scene, btScalar gameStep, int count )
+{
 	for ( SoftBody* body : m_substepped )
 	{
-		if ( ImplicitChoice::mayLeaveGroup( *body ) )
+		if ( !ImplicitChoice::mayLeaveGroup( *body ) )
 		{
-			group.choose( scene, { body }, gameStep );
-			if ( isTooLarge() )
-			{
-				ImplicitChoice::leaveGroup( *body );
-				hasLeft = true;
-			}
+			continue;
+		}
+		group.choose( scene, { body }, gameStep );
+		if ( isGroupTooLarge( scene, count ) )
+		{
+			ImplicitChoice::leaveGroup( *body );
 		}
 	}
-	group.choose( scene, m_substepped, gameStep );
-	return hasLeft;
 }
 
 int SoftBodySystem::substepsOf( const SoftBody& body ) const

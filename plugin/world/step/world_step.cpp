@@ -326,7 +326,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 	bodies.countContacts( m_moved.count() );
 	if ( m_moved.hasRollingFriction() )
 	{
-		m_rolling.hide( dispatcher );
+		m_rolling.hide( m_moved.manifolds() );
 	}
 	if ( m_isStepping )
 	{
