@@ -134,23 +134,23 @@ TEST( LevelEnergy, IsConservedByExplicitSteps )
 		{
 			body->nodes().v.set( i, Vec3( number(), number(), number() ) );
 		}
-		constexpr float kStep = 1.0f / 960.0f;
-		const float alpha = planStiffness( body->material(), lattice->cellSize, kStep, 1 ).alpha;
+		constexpr float kEnergyStep = 1.0f / 960.0f;
+		const float alpha = planStiffness( body->material(), lattice->cellSize, kEnergyStep, 1 ).alpha;
 		const double first = body->sums().kineticEnergy; // unstrained
 		double low = HUGE_VAL, high = 0.0, least = HUGE_VAL, lowPlain = HUGE_VAL, highPlain = 0.0;
 		for ( int step = 0; step < 200; ++step )
 		{
-			body->accelerateTowardGoals( kStep, alpha, nullptr );
-			body->integrate( kStep );
+			body->accelerateTowardGoals( kEnergyStep, alpha, nullptr );
+			body->integrate( kEnergyStep );
 			const LevelEnergy held = body->storedEnergy();
-			const double energy = body->joules( held, kStep, alpha );
+			const double energy = body->joules( held, kEnergyStep, alpha );
 			low = std::min( low, energy );
 			high = std::max( high, energy );
 			least = std::min( least, held.motion );
 			LevelEnergy plain = held;
 			plain.power = plain.deviationPower = 0.0;
-			lowPlain = std::min( lowPlain, body->joules( plain, kStep, alpha ) );
-			highPlain = std::max( highPlain, body->joules( plain, kStep, alpha ) );
+			lowPlain = std::min( lowPlain, body->joules( plain, kEnergyStep, alpha ) );
+			highPlain = std::max( highPlain, body->joules( plain, kEnergyStep, alpha ) );
 		}
 		std::printf( "E %g, alpha %.3f: H from %.4f to %.4f of the first, K + U from %.2f to %.2f, K down to %.3f\n",
 			double( youngsModulus ), double( alpha ), low / first, high / first, lowPlain / first, highPlain / first, least / first );
