@@ -71,7 +71,7 @@ double ImplicitMotion::freedomOfTurn( double length ) const
 	{
 		return 0.0;
 	}
-	const Vector6 motion = rigidMass().inverse() * m_freeMomentum[0];
+	const Vector6 motion = rigidMotion( m_freeMomentum[0] );
 	const double turn = motion.tail<3>().squaredNorm() * length / kStandardGravity;
 	const double above = std::clamp( ( turn - kRockingTurn ) / ( kFreeTurn - kRockingTurn ), 0.0, 1.0 );
 	return above * above * ( 3.0 - 2.0 * above );
@@ -188,6 +188,15 @@ Matrix6 ImplicitMotion::rigidMass( int part ) const
 	// A rod has no inertia about its own axis, and nothing that could rotate about it.
 	mass.bottomRightCorner<3, 3>() = m_inertias[std::size_t( part )] + kInertiaFloor * trace( part ) * Eigen::Matrix3d::Identity();
 	return mass;
+}
+
+Vector6 ImplicitMotion::rigidMotion( const Vector6& momentum, int part ) const
+{
+	const Matrix6 mass = rigidMass( part );
+	Vector6 motion;
+	motion.head<3>() = momentum.head<3>() / mass( 0, 0 );
+	motion.tail<3>() = Eigen::Matrix3d( mass.bottomRightCorner<3, 3>() ).inverse() * momentum.tail<3>();
+	return motion;
 }
 
 Vector6 ImplicitMotion::momentum( int part ) const
@@ -335,7 +344,7 @@ void ImplicitMotion::keepMomentum()
 	{
 		if ( !isHeld( p ) )
 		{
-			addMotion( rigidMass( p ).inverse() * missingMomentum( p ), p );
+			addMotion( rigidMotion( missingMomentum( p ), p ), p );
 		}
 	}
 }

@@ -81,6 +81,8 @@ public:
 
 	// Rigid motions ( V, Omega ) about the mass centre, for which A is the mass alone.
 	Matrix6 rigidMass( int part = 0 ) const;
+	/// The rigid motion of a part that has a momentum and an angular momentum about its centre.
+	Vector6 rigidMotion( const Vector6& momentum, int part = 0 ) const;
 	/// Momentum of the current node velocities, and their angular momentum about the centre.
 	Vector6 momentum( int part = 0 ) const;
 	const Eigen::Vector3d& centre( int part = 0 ) const { return m_rates.whole( part ).centre; }

@@ -133,7 +133,7 @@ void IslandBlock::addRigidMotions( const float* momentum, float* velocity ) cons
 		const Vector12 sums = part.motion->affineSums( momentum + part.offset, own.part ); // f, then the columns of f p^T
 		Vector6 rigidSums;
 		rigidSums << sums.head<3>(), sums[8] - sums[10], sums[9] - sums[5], sums[4] - sums[6];
-		const Vector6 motion = part.motion->rigidMass( own.part ).inverse() * rigidSums;
+		const Vector6 motion = part.motion->rigidMotion( rigidSums, own.part );
 		const Vec3d turn = motion.tail<3>();
 		Vector12 affine;
 		affine << motion.head<3>(), turn.cross( Vec3d::UnitX() ), turn.cross( Vec3d::UnitY() ), turn.cross( Vec3d::UnitZ() );

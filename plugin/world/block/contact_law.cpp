@@ -96,9 +96,8 @@ const Vec3d& IslandBlock::angularVelocityOf( const ContactSide& side )
 	{
 		for ( int k = 0; k < motion.parts().count(); ++k )
 		{
-			part.angularVelocity.push_back( motion.hasShape( k )
-					? Vec3d( ( motion.rigidMass( k ).inverse() * motion.momentum( k ) ).tail<3>() )
-					: Vec3d( Vec3d::Zero() ) );
+			part.angularVelocity.push_back(
+				motion.hasShape( k ) ? Vec3d( motion.rigidMotion( motion.momentum( k ), k ).tail<3>() ) : Vec3d( Vec3d::Zero() ) );
 		}
 	}
 	return part.angularVelocity[std::size_t( motion.parts().partOf( side.node ) )];

@@ -190,7 +190,7 @@ void addResponse( Frame& frame, const Eigen::Matrix3d& inverseInertia, const Vec
 	{
 		if ( !motion.isHeld( part ) )
 		{
-			motion.addMotion( motion.rigidMass( part ).inverse() * missing[std::size_t( part )], part );
+			motion.addMotion( motion.rigidMotion( missing[std::size_t( part )], part ), part );
 		}
 	}
 }
