@@ -78,6 +78,7 @@ Lattice scaledLattice( const Lattice& lattice, float factor )
 {
 	Lattice to = lattice;
 	to.cellSize *= factor;
+	to.overhang *= factor;
 	to.corner *= double( factor );
 	to.massCentre *= double( factor );
 	for ( Vec3& centre : to.restCentre )

@@ -151,7 +151,7 @@ inline constexpr double kMaxPatchError = 0.08;
 inline constexpr double kMinPatchHeight = 0.01;
 inline constexpr double kMaxPatchHeight = 0.95;
 /// Radius of a flat or hollow patch, in cells: half a cell to the side the error is a sixtieth of a cell.
-inline constexpr double kMaxPatchRadius = 8.0;
+inline constexpr double kMaxPatchRadius = 64.0;
 
 /// Maximum number of tasks per pass. Fixed, so that results do not depend on the number of threads.
 inline constexpr std::size_t kMaxTasks = 64;

@@ -41,6 +41,7 @@ struct Lattice
 
 	/// By cell; empty where no patches were fitted.
 	std::vector<ContactPatch> patch;
+	float overhang = 0.0f; ///< upper bound of how far a patch lies in front of its node's sphere, m
 
 	/// The 26-neighbour links as compressed rows: cell i is linked to linkTo[ linkStart[i] .. linkStart[i + 1] ), ascending, both
 	/// directions stored, without self-links.

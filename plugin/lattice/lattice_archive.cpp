@@ -14,8 +14,8 @@ void archive( Archive& archive, ContactPatch& patch )
 
 void archive( Archive& archive, Lattice& lattice )
 {
-	auto& [cellSize, corner, massCentre, extent, coordinate, fill, restCentre, isSurface, patch, linkStart, linkTo] = lattice;
-	archive( cellSize, corner, massCentre, extent, coordinate, fill, restCentre, isSurface, patch, linkStart, linkTo );
+	auto& [cellSize, corner, massCentre, extent, coordinate, fill, restCentre, isSurface, patch, overhang, linkStart, linkTo] = lattice;
+	archive( cellSize, corner, massCentre, extent, coordinate, fill, restCentre, isSurface, patch, overhang, linkStart, linkTo );
 	if ( !archive.isReading() || !archive.isSound() )
 	{
 		return;

@@ -257,6 +257,7 @@ Lattice extractCells( const Lattice& lattice, const std::vector<std::uint32_t>& 
 	part.corner = lattice.corner;
 	part.massCentre = lattice.massCentre + centre;
 	part.extent = lattice.extent;
+	part.overhang = lattice.overhang;
 	part.coordinate.reserve( cells.size() );
 	part.fill.reserve( cells.size() );
 	part.restCentre.reserve( cells.size() );

@@ -95,8 +95,9 @@ inline constexpr double kFlatSine = 0.02, kSameNormal = 1.0 - 1e-9;
 /// Least cosine of the angle between a patch's normal and the contact normal; beyond it the node's own sphere is used.
 inline constexpr double kLeastContactCosine = 0.5;
 /// A penetration of a patch deeper than this, cells, belongs to the other side of a thin body, or is so deep that nodes are tested one by
-/// one: the sphere's centre is then moved to this fraction of its depth.
-inline constexpr double kPatchDepth = 0.75, kPatchRetreat = 0.25;
+/// one: the sphere's centre is then moved to this fraction of its depth,
+/// and to so many cells at first.
+inline constexpr double kPatchDepth = 1.25, kPatchRetreat = 0.25, kFirstRetreat = 2.0;
 /// Limit of spheres tried per patch, and tolerance of the lateral offset of the touching point, as a fraction of its bound.
 inline constexpr int kPatchRounds = 4;
 inline constexpr double kPatchTolerance = 0.05;

@@ -16,6 +16,7 @@ void shattersExperiment( int count );
 /// Writes crack.png and crack_near.png into the working directory.
 void crackExperiment();
 void raysExperiment( int count );
+void slidesExperiment();
 void thingsExperiment( int count );
 void refineExperiment();
 void bunnyExperiment();

@@ -27,6 +27,7 @@ const Entry kEntries[] = {
 	{ "shots", []( int count ) { shotsExperiment( count ); }, 1000 },
 	{ "impacts", []( int count ) { impactsExperiment( count ); }, 1000 },
 	{ "shatters", []( int count ) { shattersExperiment( count ); }, 400 },
+	{ "slides", []( int ) { slidesExperiment(); }, 0 },
 	{ "things", []( int count ) { thingsExperiment( count ); }, 1700 },
 	{ "rays", []( int count ) { raysExperiment( count ); }, 3000 },
 	{ "crack", []( int ) { crackExperiment(); }, 0 },

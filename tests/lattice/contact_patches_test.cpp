@@ -2,7 +2,10 @@
 
 #include "lattice_checks.h"
 
+#include <pliant/task_runner.h>
+
 #include <cmath>
+#include <memory>
 
 namespace pliant::test {
 namespace {
@@ -13,18 +16,11 @@ Vec3d nodeOf( const Lattice& lattice, std::size_t cell )
 	return lattice.restCentre[cell].cast<double>() + lattice.massCentre;
 }
 
-LatticeSettings drawn( float cell )
-{
-	LatticeSettings settings = cellsOf( cell );
-	settings.contactSurface = true;
-	return settings;
-}
-
 // Cells at a ball's surface are full, half full or nearly empty: their own spheres project from it by up to a seventh of a cell.
 // Patches are parts of one sphere, for any fill of the cell.
 TEST( ContactPatches, OfABallAreItsSurface )
 {
-	const Lattice lattice = built( makeSphere( 0.4, 60, 120 ), drawn( 0.06f ) ).lattice;
+	const Lattice lattice = built( makeSphere( 0.4, 60, 120 ), cellsOf( 0.06f ) ).lattice;
 	int count = 0, surface = 0;
 	for ( std::size_t i = 0; i < lattice.patch.size(); ++i )
 	{
@@ -44,7 +40,7 @@ TEST( ContactPatches, OfABallAreItsSurface )
 // No single sphere fits at its edges and corners.
 TEST( ContactPatches, OfABoxAreFlatAndEndAtItsEdges )
 {
-	const Lattice lattice = built( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), drawn( 0.1f ) ).lattice;
+	const Lattice lattice = built( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), cellsOf( 0.1f ) ).lattice;
 	ASSERT_EQ( int( lattice.patch.size() ), lattice.cellCount() );
 	for ( std::size_t i = 0; i < lattice.patch.size(); ++i )
 	{
@@ -64,17 +60,33 @@ TEST( ContactPatches, OfABoxAreFlatAndEndAtItsEdges )
 // A wall one cell thick has a surface on both sides of each node, and a sheet has no inside: both use their nodes' own spheres.
 TEST( ContactPatches, AreNotInThinParts )
 {
-	for ( const Lattice& lattice : { built( makeBox( { 0, 0, 0 }, { 1, 1, 0.1 } ), drawn( 0.1f ) ).lattice,
-			  built( makeSphere( 0.02, 8, 8 ), drawn( 0.06f ) ).lattice } )
+	for ( const Lattice& lattice : { built( makeBox( { 0, 0, 0 }, { 1, 1, 0.1 } ), cellsOf( 0.1f ) ).lattice,
+			  built( makeSphere( 0.02, 8, 8 ), cellsOf( 0.06f ) ).lattice } )
 	{
 		EXPECT_TRUE(
 			std::all_of( lattice.patch.begin(), lattice.patch.end(), []( const ContactPatch& patch ) { return patch.radius == 0.0f; } ) );
 	}
 }
 
-TEST( ContactPatches, AreThereWhereTheyAreAskedFor )
+TEST( ContactPatches, AreThereByDefaultAndTheSameForAnyThreadCount )
 {
-	EXPECT_TRUE( built( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), cellsOf( 0.1f ) ).lattice.patch.empty() );
+	const Mesh mesh = makeSphere( 0.4, 40, 80 );
+	LatticeSettings settings = cellsOf( 0.06f );
+	const Lattice one = built( mesh, settings ).lattice;
+	const std::unique_ptr<TaskRunner> pool = createThreadPool( 3 );
+	settings.runner = pool.get();
+	const Lattice other = built( mesh, settings ).lattice;
+	ASSERT_EQ( one.patch.size(), std::size_t( one.cellCount() ) );
+	float highest = 0.0f;
+	for ( std::size_t i = 0; i < one.patch.size(); ++i )
+	{
+		EXPECT_TRUE( one.patch[i].normal == other.patch[i].normal && one.patch[i].height == other.patch[i].height ) << i;
+		highest = std::max( highest, one.patch[i].radius > 0.0f ? one.patch[i].height : 0.0f );
+	}
+	// The overhang is exact, so that no box is larger than it must be.
+	EXPECT_GT( one.overhang, 0.0f );
+	EXPECT_EQ( one.overhang, highest - 0.5f * one.cellSize );
+	EXPECT_EQ( one.overhang, other.overhang );
 }
 
 } // namespace

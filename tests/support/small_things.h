@@ -1,6 +1,6 @@
 #pragma once
 
-// Small objects thrown at soft blocks with contact surfaces: those that have sunk in a second later.
+// Small objects thrown at soft blocks: those that have sunk in a second later.
 
 #include "lattice/test_meshes.h"
 #include "support/explicit_material.h"
@@ -40,7 +40,6 @@ public:
 	{
 		LatticeSettings settings;
 		settings.cellSize = kCell;
-		settings.contactSurface = true;
 		Material material = test::explicitMaterial();
 		material.youngsModulus = 5e5f;
 		material.elasticity = elasticity;

@@ -349,9 +349,9 @@ private:
 			const bool isThird = isSecond && i > 1 && cells[i].key == cells[i - 2].key;
 			m_out.report.splitCells += isSecond && !isThird;
 		}
-		if ( m_settings.contactSurface && !m_isShellOnly )
+		if ( !m_isShellOnly )
 		{
-			fitContactPatches( m_mesh, grid, lattice );
+			fitContactPatches( m_mesh, grid, m_settings.runner, lattice );
 		}
 		m_out.report.cells = int( cells.size() );
 		m_out.report.volume = mass * d * d * d;

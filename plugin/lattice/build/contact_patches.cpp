@@ -2,6 +2,7 @@
 
 #include "lattice/build/surface_points.h"
 #include "lattice/constants.h"
+#include "lattice/guarded_tasks.h"
 
 #include <Eigen/Cholesky>
 
@@ -180,25 +181,33 @@ ContactPatch patchOf( const Neighbourhood& near, const Vec3d& node )
 
 } // namespace
 
-void fitContactPatches( const WeldedMesh& mesh, const Grid& grid, Lattice& lattice )
+void fitContactPatches( const WeldedMesh& mesh, const Grid& grid, TaskRunner* runner, Lattice& lattice )
 {
 	const std::vector<Sample> samples = sampleSurface( mesh, grid );
-	Neighbourhood near( samples, grid );
-	lattice.patch.assign( std::size_t( lattice.cellCount() ), ContactPatch{} );
+	const auto count = std::size_t( lattice.cellCount() ), tasks = std::min( kMaxTasks, count );
+	lattice.patch.assign( count, ContactPatch{} );
 	const Vec3d middle = ( lattice.massCentre - grid.corner ) / grid.cellSize;
-	for ( std::size_t i = 0; i < lattice.patch.size(); ++i )
-	{
-		if ( lattice.isSurface[i] == 0 )
+	auto fitSome = [&]( int task ) {
+		Neighbourhood near( samples, grid );
+		for ( std::size_t i = count * std::size_t( task ) / tasks; i < count * ( std::size_t( task ) + 1 ) / tasks; ++i )
 		{
-			continue;
+			if ( lattice.isSurface[i] == 0 )
+			{
+				continue;
+			}
+			const Vec3d node = middle + lattice.restCentre[i].cast<double>() / grid.cellSize;
+			near.gather( lattice.coordinate[i].cast<int>(), node );
+			ContactPatch& patch = lattice.patch[i];
+			patch = patchOf( near, node );
+			patch.height *= lattice.cellSize;
+			patch.radius *= lattice.cellSize;
+			patch.links = std::uint8_t( lattice.linkStart[i + 1] - lattice.linkStart[i] );
 		}
-		const Vec3d node = middle + lattice.restCentre[i].cast<double>() / grid.cellSize;
-		near.gather( lattice.coordinate[i].cast<int>(), node );
-		ContactPatch& patch = lattice.patch[i];
-		patch = patchOf( near, node );
-		patch.height *= lattice.cellSize;
-		patch.radius *= lattice.cellSize;
-		patch.links = std::uint8_t( lattice.linkStart[i + 1] - lattice.linkStart[i] );
+	};
+	runGuarded( runner, int( tasks ), fitSome );
+	for ( const ContactPatch& patch : lattice.patch )
+	{
+		lattice.overhang = std::max( lattice.overhang, patch.radius > 0.0f ? patch.height - 0.5f * lattice.cellSize : 0.0f );
 	}
 }
 

@@ -8,8 +8,11 @@
 
 namespace pliant {
 
-/// Fills Lattice::patch. `lattice`: complete otherwise, with rest centres relative to its mass centre; `mesh`: oriented. A cell has no
-/// patch where the nearby surface is not a smooth sheet in front of it: at edges, in thin parts, in shells of one cell, within the body.
-void fitContactPatches( const WeldedMesh& mesh, const Grid& grid, Lattice& lattice );
+class TaskRunner;
+
+/// Fills Lattice::patch and overhang. `lattice`: complete otherwise, with rest centres relative to its mass centre; `mesh`: oriented;
+/// `runner`: may be null, the result does not depend on it. A cell has no patch where the nearby surface is not a smooth sheet in front of
+/// it: at edges, in thin parts, in shells of one cell, within the body.
+void fitContactPatches( const WeldedMesh& mesh, const Grid& grid, TaskRunner* runner, Lattice& lattice );
 
 } // namespace pliant

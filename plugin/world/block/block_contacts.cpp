@@ -110,9 +110,9 @@ Vec3d surfaceVelocity( const btManifoldPoint& point, const btContactSolverInfo& 
 				   : Vec3d( Vec3d::Zero() );
 }
 
-bool isDrawn( const ContactProxy* node )
+bool isDrawn( const ContactProxy* node, const btCollisionObject& other )
 {
-	return node && node->node >= 0 && node->owner->impl().isMetAsDrawn();
+	return node && node->node >= 0 && node->owner->impl().isMetAsDrawnBy( other );
 }
 
 /// Sets the nodes of a contact between the nodes' own spheres: the node, and between two round surfaces also the node behind it. Returns
@@ -291,6 +291,7 @@ void BlockContacts::gatherFrom(
 		return;
 	}
 	const double threshold = double( m_hidden.back().threshold );
+	const bool isMetAsDrawn = isDrawn( nodes[0], *objects[1] ) || isDrawn( nodes[1], *objects[0] );
 	IslandBlock& own = blocks[std::size_t( block )];
 	for ( int k = 0; k < manifold.getNumContacts(); ++k )
 	{
@@ -301,7 +302,7 @@ void BlockContacts::gatherFrom(
 		}
 		BlockContact& contact = own.contacts.emplace_back(); // half a kilobyte: filled in place
 		contact.normal = toVec3d( point.m_normalWorldOnB );
-		contact.isDrawn = isDrawn( nodes[0] ) || isDrawn( nodes[1] );
+		contact.isDrawn = isMetAsDrawn;
 		SharedNodes shared[2];
 		const Vec3d position = contact.isDrawn ? distributeOnSurface( nodes, point, contact.normal, shared )
 											   : distributeToNodes( nodes, shared );

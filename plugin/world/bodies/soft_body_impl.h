@@ -270,9 +270,14 @@ struct SoftBody::Impl
 		contactSurface.follow( *body, numbering + fractureVersion );
 		return contactSurface;
 	}
-	/// Returns true if contacts use patches of the drawn surface. The block solver solves them, since Bullet's has no contacts that are
-	/// shared by several nodes; a body that steps explicitly takes part with its masses alone.
-	bool isMetAsDrawn() const { return !body->lattice().patch.empty() && surfaceNow().hasPatches(); }
+	/// Returns true if contacts with all objects use patches of the drawn surface. The block solver solves them, since Bullet's has no
+	/// contacts that are shared by several nodes; a body that steps explicitly takes part with its masses alone.
+	bool isMetAsDrawn() const;
+	/// The same for contacts with one object: all bodies show small rigid ones their drawn surface, since these would fall into the gaps
+	/// between nodes' spheres.
+	bool isMetAsDrawnBy( const btCollisionObject& other ) const;
+	/// How far the patches lie in front of the nodes' spheres at most, m.
+	double overhang() const { return body->levels() ? 0.0 : double( body->lattice().overhang ); }
 	/// Whether a force field of its world is being called, which may not change the body. `checkTime` returns a refusal then.
 	bool isInField() const;
 	Status checkTime( const char* call ) const;

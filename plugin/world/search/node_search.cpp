@@ -66,7 +66,7 @@ std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCo
 {
 	const Vec3d& origin = soft.impl().body->nodes().origin;
 	m_soft = &soft;
-	m_surface = soft.impl().isMetAsDrawn() ? &soft.impl().surfaceNow() : nullptr;
+	m_surface = soft.impl().isMetAsDrawnBy( *other.getCollisionObject() ) ? &soft.impl().surfaceNow() : nullptr;
 	m_step = step;
 	m_leaf = 0;
 	m_hits.clear();
@@ -145,7 +145,7 @@ inline Ahead NodeSearch::Spheres::ahead( int node ) const
 
 double NodeSearch::overhang() const
 {
-	return m_surface ? m_surface->overhang() : 0.0;
+	return m_surface ? double( m_soft->impl().body->lattice().overhang ) : 0.0;
 }
 
 // Tests the patch in front of a node, or the node's own sphere where the patch does not face the obstacle.
@@ -321,7 +321,9 @@ void NodeSearch::solid( const Obstacle& obstacle )
 	const btVector3 extent = box.high - box.low;
 	const btScalar size = extent[extent.maxAxis()];
 	box.stretchAlong( toBt( m_step * m_motion.linear ) );
-	box.widen( overhang() );
+	// A small object is met by all nodes around it, each at its own point, so that it lies on several.
+	const bool isSmall = m_surface && double( size ) < kEdgeThing * m_surface->cellSize();
+	box.widen( overhang() + ( isSmall ? kSmallReach * m_surface->cellSize() : 0.0 ) );
 	const btScalar turn = btScalar( m_step * m_motion.angular.norm() * ( obstacle.position - m_motion.centre ).norm() ) +
 		btScalar( m_step * m_motion.angular.norm() ) * ( box.high - box.low ).length() / 2;
 	box.move( btVector3( -turn, -turn, -turn ), btVector3( turn, turn, turn ) );

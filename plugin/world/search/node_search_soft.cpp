@@ -87,7 +87,7 @@ public:
 		m_cell( std::max( double( a.bodyTemplate().cellSize() ), double( b.bodyTemplate().cellSize() ) ) )
 	{}
 	/// Largest gap between the own spheres of two nodes whose patches touch, m.
-	btScalar margin() const { return btScalar( kPatchPairMargin * m_cell + m_a.surfaceNow().overhang() + m_b.surfaceNow().overhang() ); }
+	btScalar margin() const { return btScalar( kPatchPairMargin * m_cell + m_a.overhang() + m_b.overhang() ); }
 
 	PatchAnswer find( const MovingSphere& sphere, int nodeA, const Ball& ball, Touch& touch ) const
 	{

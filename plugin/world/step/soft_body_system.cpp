@@ -238,7 +238,7 @@ bool SoftBodySystem::sweepBox( SoftBody& body, btScalar h ) const
 	{
 		return false;
 	}
-	const btScalar overhang = impl.isMetAsDrawn() ? btScalar( impl.surfaceNow().overhang() ) : btScalar( 0 );
+	const btScalar overhang = btScalar( impl.overhang() );
 	const btVector3 around( overhang, overhang, overhang );
 	impl.shape->setSweep( h * toBt( low.cast<double>() ) - around, h * toBt( high.cast<double>() ) + around );
 	return true;

@@ -1,6 +1,7 @@
 #include "world/touch/contact_surface.h"
 
 #include "body/body.h"
+#include "lattice/constants.h"
 #include "world/constants.h"
 
 #include <Eigen/LU>
@@ -27,7 +28,6 @@ void ContactSurface::follow( const Body& body, unsigned version )
 	m_links = lattice.linkTo.size();
 	m_cellSize = double( lattice.cellSize );
 	m_hasPatches = false;
-	m_overhang = 0.0;
 	m_neighbours.clear();
 	m_patch.clear();
 	if ( body.levels() )
@@ -39,7 +39,6 @@ void ContactSurface::follow( const Body& body, unsigned version )
 	for ( const ContactPatch& patch : patches() )
 	{
 		m_hasPatches = m_hasPatches || patch.radius > 0.0f;
-		m_overhang = std::max( m_overhang, patch.radius > 0.0f ? double( patch.height ) - 0.5 * m_cellSize : 0.0 );
 	}
 }
 
@@ -69,7 +68,7 @@ void ContactSurface::followCracks()
 		patch.normal = Vec3::Zero();
 		patch.normal[side / 2] = side % 2 == 0 ? -1.0f : 1.0f;
 		patch.height = 0.5f * float( m_cellSize );
-		patch.radius = 2.0f * float( kFlatRadius * m_cellSize );
+		patch.radius = float( kMaxPatchRadius * m_cellSize );
 	}
 }
 

@@ -38,7 +38,6 @@ public:
 	/// Axis neighbours of the nodes of a body without levels; otherwise empty.
 	const AxisNeighbours& neighbours() const { return m_neighbours; }
 	/// Largest height of the surface over a node beyond half a cell, m.
-	double overhang() const { return m_overhang; }
 	double cellSize() const { return m_cellSize; }
 
 	/// The nodes that share a contact. `at`: from the node's centre to the contact point, m; it is moved to where the nodes can share it,
@@ -61,7 +60,7 @@ private:
 	AxisNeighbours m_neighbours;       ///< empty: nothing is shared
 	std::vector<ContactPatch> m_patch; ///< by cell; empty: the lattice's
 	bool m_hasPatches = false;
-	double m_cellSize = 0.0, m_overhang = 0.0;
+	double m_cellSize = 0.0;
 };
 
 /// Result of testing a patch against an obstacle.
@@ -96,7 +95,7 @@ PatchAnswer findPatchTouch(
 		const double cosine = -patch.normal.dot( touch.normal );
 		if ( touch.distance < inwards + patch.height - kPatchDepth * cellSize )
 		{
-			inwards *= kPatchRetreat; // the centre may lie on the other side of a thin body
+			inwards = std::min( kPatchRetreat * inwards, kFirstRetreat * cellSize ); // the centre may lie on the other side of a thin body
 			continue;
 		}
 		if ( cosine < kLeastContactCosine )

@@ -4,9 +4,13 @@
 
 namespace pliant {
 
+/// Rigid objects smaller than this, cells, touch the drawn surface of every body: larger ones lie well on the nodes' spheres.
+inline constexpr double kSmallThing = 3.0;
 /// Objects smaller than this, cells, touch faces at edges: larger ones rest on the nodes' spheres there, and are not braked by the rims of
 /// faces as they slide over an edge.
 inline constexpr double kEdgeThing = 1.5;
+/// How much farther than to the nodes' spheres such objects are searched for, cells.
+inline constexpr double kSmallReach = 0.5;
 /// A face is at most so far in front of a node at an edge, cells: the layer below the surface has none.
 inline constexpr double kEdgeFaceHeight = 1.0;
 

@@ -1,0 +1,36 @@
+// Which contacts meet the drawn surface of a body, and which its nodes' spheres.
+
+#include "world/bodies/soft_body_impl.h"
+#include "world/rigid/rigid_proxy.h"
+#include "world/shape/contact_proxy.h"
+#include "world/touch/edge_constants.h"
+
+#include <BulletCollision/CollisionShapes/btCollisionShape.h>
+
+namespace pliant {
+
+bool SoftBody::Impl::isMetAsDrawn() const
+{
+	return bodyTemplate->settings().contactSurface && !body->lattice().patch.empty() && surfaceNow().hasPatches();
+}
+
+bool SoftBody::Impl::isMetAsDrawnBy( const btCollisionObject& other ) const
+{
+	if ( other.getInternalType() == btCollisionObject::CO_FEATHERSTONE_LINK )
+	{
+		return false; // Bullet solves these contacts, each by one node
+	}
+	const bool isSoft = ownerOfContactProxy( &other ) || ownerOfRigidProxy( &other ) || SoftBody::upcast( &other );
+	if ( isSoft || body->levels() || body->lattice().patch.empty() )
+	{
+		return isMetAsDrawn();
+	}
+	// In the object's own frame, so that it does not depend on how the object is turned.
+	btVector3 low, high;
+	other.getCollisionShape()->getAabb( btTransform::getIdentity(), low, high );
+	const btVector3 size = high - low;
+	const bool isSmall = double( size[size.maxAxis()] ) < kSmallThing * double( body->lattice().cellSize );
+	return ( isSmall || bodyTemplate->settings().contactSurface ) && surfaceNow().hasPatches();
+}
+
+} // namespace pliant
