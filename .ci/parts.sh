@@ -6,8 +6,8 @@
 #
 # A part is a function part_NAME. A part is in `turns` when it is known to fit into the time that .ci/run has left on two processors without a
 # compiler's cache; a run that exceeds its limit fails, so that nothing is left out unseen.
-readonly turns=( asan_core_1 asan_core_2 asan_core_3 )
-readonly parts=( alone asan_core_1 asan_core_2 asan_core_3 tsan asan_world_1 double asan_issues_1 clang asan_world_2 tidy asan_issues_2 threadsafe asan_world_3 )
+readonly turns=( asan_core_1 alone_1 alone_2 asan_core_2 alone_3 alone_4 asan_core_3 alone_5 )
+readonly parts=( "${turns[@]}" tsan asan_world_1 double asan_issues_1 clang asan_world_2 tidy asan_issues_2 threadsafe asan_world_3 )
 
 # The parts' settings: .ci/full has them empty, and runs all tests of a part.
 slice=${slice-yes}
@@ -41,24 +41,20 @@ test_part() # preset, folder of tests, number of the slice, number of slices, ar
 }
 
 # --- files without the others of their folder -----------------------------------------------------------------------------------------------
-# With PLIANT_UNITY a file may use what another one of its batch includes. Those that the last ten changes touched, or all.
-part_alone()
+# With PLIANT_UNITY a file may use what another one of its batch includes. `alone K N`: every N-th file, from the K-th on.
+alone()
 {
-	local since changed
-	since=$( git rev-list --first-parent --max-count=11 HEAD | tail -n 1 )
-	if [ -n "$slice" ]; then
-		changed=$( git diff --name-only --diff-filter=d "$since" HEAD -- 'plugin/*.cpp' 'tests/*.cpp' )
-	else
-		changed=$( git ls-files 'plugin/*.cpp' 'tests/*.cpp' )
-	fi
-	if [ -z "$changed" ]; then
-		echo "none has changed"
-		return
-	fi
+	local files
+	files=$( git ls-files 'plugin/*.cpp' 'tests/*.cpp' | awk -v k="$1" -v n="$2" 'NR % n == k % n' )
 	configure_part release -DPLIANT_UNITY=OFF -DPLIANT_PRECOMPILE=OFF -DPLIANT_BUILD_BENCH=ON -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -B build-alone || return 1
-	sed -n 's/^ *"command": "\(.*\)",$/\1/p' build-alone/compile_commands.json | grep -F -f <( sed "s|^| -c $PWD/|" <<< "$changed" ) |
+	sed -n 's/^ *"command": "\(.*\)",$/\1/p' build-alone/compile_commands.json | grep -F -f <( sed "s|^| -c $PWD/|" <<< "$files" ) |
 		sed 's/ -o [^ ]* -c / -fsyntax-only -c /; s/\\\\"/"/g' | xargs -r -d '\n' -n 1 -P "$( nproc )" sh -c
 }
+part_alone_1() { alone 1 5; }
+part_alone_2() { alone 2 5; }
+part_alone_3() { alone 3 5; }
+part_alone_4() { alone 4 5; }
+part_alone_5() { alone 5 5; }
 
 # --- address and undefined-behaviour sanitizers, assertions on -----------------------------------------------------------------------------
 export UBSAN_OPTIONS=print_stacktrace=1
