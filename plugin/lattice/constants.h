@@ -150,7 +150,7 @@ inline constexpr double kMaxPatchError = 0.08;
 /// Height of the surface above the node, in cells: at a greater height the cell is not the first one behind the surface.
 inline constexpr double kMinPatchHeight = 0.01;
 inline constexpr double kMaxPatchHeight = 0.95;
-/// Radius of a flat or hollow patch, in cells: half a cell to the side the error is a sixtieth of a cell.
+/// Radius of a flat or hollow patch, in cells: half a cell to the side the error is a five-hundredth of a cell, and half a degree.
 inline constexpr double kMaxPatchRadius = 64.0;
 
 /// Maximum number of tasks per pass. Fixed, so that results do not depend on the number of threads.
