@@ -18,6 +18,7 @@ struct SlidingBox
 	double speed = 2.0;    ///< m/s
 	double friction = 0.3; ///< combined
 	bool contactSurface = false;
+	bool isFloorRigid = false; ///< on a rigid box instead
 };
 
 /// Returns the distance that the box slides until it stops, over that by theory, v^2 / ( 2 mu g ); without friction the distance of a
@@ -39,15 +40,24 @@ inline double slideOnATrack( const SlidingBox& what )
 	Material material = explicitMaterial( 5e5f );
 	material.elasticity = what.elasticity;
 	const auto shape = BodyTemplate::build( makeBox( { 0, -0.3f, -width }, { length, 0, width }, 6 ).view(), settings ).value;
-	SoftBody* const track = t.add( shape, btVector3( 0, 0, 0 ), material );
-	track->setFriction( btScalar( std::sqrt( what.friction ) ) );
-	for ( int node = 0; node < track->nodeCount(); ++node )
+	btCollisionObject* floor = nullptr;
+	if ( what.isFloorRigid )
 	{
-		if ( track->nodePosition( node ).y() < btScalar( -0.2 ) && !track->pinNode( node ).ok() )
-		{
-			return 0.0;
-		}
+		floor = t.add( 0, new btBoxShape( btVector3( 20, 1, 20 ) ), btVector3( 10, -1, 0 ) );
 	}
+	else
+	{
+		SoftBody* const track = t.add( shape, btVector3( 0, 0, 0 ), material );
+		for ( int node = 0; node < track->nodeCount(); ++node )
+		{
+			if ( track->nodePosition( node ).y() < btScalar( -0.2 ) && !track->pinNode( node ).ok() )
+			{
+				return 0.0;
+			}
+		}
+		floor = track;
+	}
+	floor->setFriction( btScalar( std::sqrt( what.friction ) ) );
 	const btVector3 halves( btScalar( half ), btScalar( 0.7 * half ), btScalar( half ) );
 	btRigidBody* const box = t.add( btScalar( 300.0 * 0.7 * 8.0 * half * half * half ), new btBoxShape( halves ),
 		btVector3( btScalar( 0.3 + half ), btScalar( 0.7 * half + 0.002 ), 0 ) );

@@ -80,7 +80,7 @@ struct LatticeSettings
 	/// Rigid objects smaller than 3 cells, which would fall into the gaps between spheres or be braked by them, collide with the drawn
 	/// surface of the body where it is smooth; larger ones with one sphere per cell, or, where this is true, with the drawn surface too:
 	/// balls roll on it (docs/design/contacts.md). Crack faces are flat as the cells are. Bodies with levels of detail, edges and thin
-	/// parts keep the spheres.
+	/// parts keep the spheres. The patches of the surface take 24 bytes per cell.
 	bool contactSurface = false;
 
 	/// Shape of the crack faces. They are computed when the first body of the template may break or is cut.

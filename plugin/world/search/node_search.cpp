@@ -148,6 +148,11 @@ double NodeSearch::overhang() const
 	return m_surface ? double( m_soft->impl().body->lattice().overhang ) : 0.0;
 }
 
+bool NodeSearch::fitsBetweenSpheres( btScalar size ) const
+{
+	return m_surface && double( size ) < kEdgeThing * m_surface->cellSize();
+}
+
 // Tests the patch in front of a node, or the node's own sphere where the patch does not face the obstacle.
 template <class Nearest, class Find>
 inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nearest& nearest, const Find& find, Touch& touch ) const
@@ -297,7 +302,7 @@ void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Fin
 	const bool looksAhead = m_looksAhead && obstacle.shape->isConvex();
 	const Obstacle then = looksAhead ? m_unforcedMotion.moved( obstacle, m_step ) : Obstacle{};
 	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
-	const bool isSmall = m_surface && double( size ) < kEdgeThing * m_surface->cellSize();
+	const bool isSmall = fitsBetweenSpheres( size );
 	m_marks.takeAll( [&]( int node ) {
 		noteNearby( node, size );
 		Touch touch;
@@ -322,8 +327,7 @@ void NodeSearch::solid( const Obstacle& obstacle )
 	const btScalar size = extent[extent.maxAxis()];
 	box.stretchAlong( toBt( m_step * m_motion.linear ) );
 	// A small object is met by all nodes around it, each at its own point, so that it lies on several.
-	const bool isSmall = m_surface && double( size ) < kEdgeThing * m_surface->cellSize();
-	box.widen( overhang() + ( isSmall ? kSmallReach * m_surface->cellSize() : 0.0 ) );
+	box.widen( overhang() + ( fitsBetweenSpheres( size ) ? kSmallReach * m_surface->cellSize() : 0.0 ) );
 	const btScalar turn = btScalar( m_step * m_motion.angular.norm() * ( obstacle.position - m_motion.centre ).norm() ) +
 		btScalar( m_step * m_motion.angular.norm() ) * ( box.high - box.low ).length() / 2;
 	box.move( btVector3( -turn, -turn, -turn ), btVector3( turn, turn, turn ) );

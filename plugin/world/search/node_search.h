@@ -79,6 +79,8 @@ private:
 	void noteNearby( int node, btScalar size ) const;
 	btVector3 cornerReach() const;
 	double overhang() const; ///< of the contact surface, m
+	/// Whether an object of that size, m, fits between the spheres at an edge of the contact surface.
+	bool fitsBetweenSpheres( btScalar size ) const;
 	template <class Find>
 	void foresee( int node, const Find& find ) const;
 	template <class Find>

@@ -37,7 +37,6 @@ public:
 	bool hasPatches() const { return m_hasPatches; }
 	/// Axis neighbours of the nodes of a body without levels; otherwise empty.
 	const AxisNeighbours& neighbours() const { return m_neighbours; }
-	/// Largest height of the surface over a node beyond half a cell, m.
 	double cellSize() const { return m_cellSize; }
 
 	/// The nodes that share a contact. `at`: from the node's centre to the contact point, m; it is moved to where the nodes can share it,

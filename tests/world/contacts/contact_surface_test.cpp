@@ -144,10 +144,14 @@ TEST( ContactSurface, KeepsSmallThingsOut )
 	{
 		for ( const test::Struck kind : { test::Struck::Whole, test::Struck::Loaded, test::Struck::Cracked } )
 		{
-			const test::ThrownThings tally = test::throwThings( kind, elasticity, 8, 1 );
-			std::printf( "%d of %d sunk, deepest %.2f sizes\n", tally.sunk, tally.thrown, tally.deepest );
-			EXPECT_EQ( tally.lost, 0 ) << int( elasticity ) << int( kind );
-			EXPECT_EQ( tally.sick, 0 );
+			// Of the later two, boxes of a cell that arrive at 13 m/s stayed in the gap between four nodes.
+			for ( const unsigned seed : { 1u, 9u, 117u } )
+			{
+				const test::ThrownThings tally = test::throwThings( kind, elasticity, 8, seed );
+				std::printf( "%d of %d sunk, deepest %.2f sizes\n", tally.sunk, tally.thrown, tally.deepest );
+				EXPECT_EQ( tally.lost, 0 ) << int( elasticity ) << int( kind ) << " " << seed;
+				EXPECT_EQ( tally.sick, 0 );
+			}
 		}
 	}
 }
