@@ -89,6 +89,14 @@ inline constexpr btScalar kRoundMargin = btScalar( 0.2 );
 inline constexpr double kPatchHalfWidth = 0.9;
 /// A surface with a larger radius of curvature counts as flat, cells.
 inline constexpr double kFlatRadius = 7.5;
+/// One with a larger radius than this, cells, is a plane: just below kMaxPatchRadius.
+inline constexpr double kPlaneRadius = 60.0;
+/// An obstacle's point nearest to a plane is sought from so far behind it, cells: from farther all nodes around a slightly tilted box find
+/// its lowest edge, and none supports the others; from nearer they miss what is lowest between them, here by .01 cells at most.
+inline constexpr double kPlaneDepth = 8.0;
+/// Half width of a node's plane for objects that many nodes carry, cells: where the surface is bent, wider ones stick out of it and push
+/// out what is above their neighbours.
+inline constexpr double kPlaneHalfWidth = 0.6;
 /// Sine of the angle to its normal below which a patch touches a flat obstacle on the node's own line, so that contacts of resting faces
 /// involve few nodes. An obstacle is flat where its normals at two points agree by the cosine.
 inline constexpr double kFlatSine = 0.02, kSameNormal = 1.0 - 1e-9;

@@ -36,9 +36,7 @@ void slidesExperiment()
 {
 	printSlides( "rigid floor", { .isFloorRigid = true } );
 	printSlides( "implicit", { .elasticity = Elasticity::Implicit } );
-	printSlides( "implicit, contactSurface", { .elasticity = Elasticity::Implicit, .contactSurface = true } );
 	printSlides( "explicit", { .elasticity = Elasticity::Explicit } );
-	printSlides( "explicit, contactSurface", { .elasticity = Elasticity::Explicit, .contactSurface = true } );
 }
 
 } // namespace pliant::experiment

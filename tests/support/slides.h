@@ -14,10 +14,9 @@ namespace pliant::test {
 struct SlidingBox
 {
 	Elasticity elasticity = Elasticity::Implicit;
-	double cells = 1.0;    ///< edge of the box, in cells of .1 m; it is .7 times as high
-	double speed = 2.0;    ///< m/s
-	double friction = 0.3; ///< combined
-	bool contactSurface = false;
+	double cells = 1.0;        ///< edge of the box, in cells of .1 m; it is .7 times as high
+	double speed = 2.0;        ///< m/s
+	double friction = 0.3;     ///< combined
 	bool isFloorRigid = false; ///< on a rigid box instead
 };
 
@@ -36,7 +35,6 @@ inline double slideOnATrack( const SlidingBox& what )
 	t.world.setGravity( btVector3( 0, btScalar( -kFall ), 0 ) );
 	LatticeSettings settings;
 	settings.cellSize = kCell;
-	settings.contactSurface = what.contactSurface;
 	Material material = explicitMaterial( 5e5f );
 	material.elasticity = what.elasticity;
 	const auto shape = BodyTemplate::build( makeBox( { 0, -0.3f, -width }, { length, 0, width }, 6 ).view(), settings ).value;

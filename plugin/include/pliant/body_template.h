@@ -77,9 +77,9 @@ struct LatticeSettings
 	/// How the render mesh follows the nodes. A build without Feature::Surface takes Skinning::None alone (BadArgument).
 	Skinning skinning = Skinning::NearbyNodes;
 
-	/// Rigid objects smaller than 3 cells, which would fall into the gaps between spheres or be braked by them, collide with the drawn
-	/// surface of the body where it is smooth; larger ones with one sphere per cell, or, where this is true, with the drawn surface too:
-	/// balls roll on it (docs/design/contacts.md). Crack faces are flat as the cells are. Bodies with levels of detail, edges and thin
+	/// Rigid objects that move, and static and kinematic ones smaller than 3 cells, collide with the drawn surface of the body where it is
+	/// smooth; all others with one sphere per cell, or, where this is true, with the drawn surface too: soft bodies and what carries the
+	/// body (docs/design/contacts.md). Crack faces are flat as the cells are. Bodies with levels of detail, edges and thin
 	/// parts keep the spheres. The patches of the surface take 24 bytes per cell.
 	bool contactSurface = false;
 

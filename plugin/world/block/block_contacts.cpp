@@ -3,7 +3,7 @@
 #include "world/block/moved_object.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
-#include "world/touch/round_surface.h"
+#include "world/touch/contact_nodes.h"
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -113,56 +113,6 @@ Vec3d surfaceVelocity( const btManifoldPoint& point, const btContactSolverInfo& 
 bool isDrawn( const ContactProxy* node, const btCollisionObject& other )
 {
 	return node && node->node >= 0 && node->owner->impl().isMetAsDrawnBy( other );
-}
-
-/// Sets the nodes of a contact between the nodes' own spheres: the node, and between two round surfaces also the node behind it. Returns
-/// the position at which it acts, world, m: the node's centre for both sides, which conserves angular momentum.
-Vec3d distributeToNodes( const ContactProxy* const ( &nodes )[2], SharedNodes ( &shared )[2] )
-{
-	const bool isRound = nodes[0] && nodes[1] && nodes[0]->node >= 0 && nodes[1]->node >= 0 &&
-		useRoundSpheres( *nodes[0]->owner, *nodes[1]->owner );
-	for ( int side = 0; side < 2; ++side )
-	{
-		shared[side] = nodes[side] ? SharedNodes::only( nodes[side]->node ) : SharedNodes{};
-		if ( !isRound )
-		{
-			continue;
-		}
-		const ContactProxy &own = *nodes[side], &other = *nodes[1 - side];
-		const RoundSphere round = roundSphere(
-			*own.owner, own.node, toVec3d( other.owner->impl().position( other.node ) - own.owner->impl().position( own.node ) ) );
-		if ( round.inner >= 0 )
-		{
-			shared[side].count = 2;
-			shared[side].node[1] = round.inner;
-			shared[side].press[0] = shared[side].rub[0] = 1.0 - round.fraction;
-			shared[side].press[1] = shared[side].rub[1] = round.fraction;
-		}
-	}
-	return nodes[0] || nodes[1] ? toVec3d( ( nodes[0] ? nodes[0] : nodes[1] )->getWorldTransform().getOrigin() ) : Vec3d( Vec3d::Zero() );
-}
-
-/// Sets the nodes that share a contact with a drawn surface, on each side that is a node. Returns the position at which it acts on the
-/// other side, world, m: the point that the nodes' weights reproduce, which conserves angular momentum. During the solve one side's point
-/// lies at the height of the node (MovedContacts), and friction acts midway between the two.
-Vec3d distributeOnSurface(
-	const ContactProxy* const ( &nodes )[2], const btManifoldPoint& point, const Vec3d& normal, SharedNodes ( &shared )[2] )
-{
-	const Vec3d middle = 0.5 * ( toVec3d( point.getPositionWorldOnA() ) + toVec3d( point.getPositionWorldOnB() ) );
-	Vec3d position = middle;
-	for ( int side = 1; side >= 0; --side )
-	{
-		if ( !nodes[side] || nodes[side]->node < 0 )
-		{
-			continue;
-		}
-		const SoftBody::Impl& impl = nodes[side]->owner->impl();
-		const Vec3d node = toVec3d( impl.position( nodes[side]->node ) );
-		Vec3d at = middle - node;
-		shared[side] = impl.surfaceNow().sharedNodes( impl.body->nodes(), nodes[side]->node, normal, at );
-		position = node + at;
-	}
-	return position;
 }
 
 /// Mass of a contact's side, kg; infinite for prescribed velocities.
@@ -304,8 +254,7 @@ void BlockContacts::gatherFrom(
 		contact.normal = toVec3d( point.m_normalWorldOnB );
 		contact.isDrawn = isMetAsDrawn;
 		SharedNodes shared[2];
-		const Vec3d position = contact.isDrawn ? distributeOnSurface( nodes, point, contact.normal, shared )
-											   : distributeToNodes( nodes, shared );
+		const Vec3d position = contact.isDrawn ? distributeOnSurface( nodes, objects, point, shared ) : distributeToNodes( nodes, shared );
 		for ( int side = 0; side < 2; ++side )
 		{
 			const Vec3d touches = toVec3d( side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB() );

@@ -25,12 +25,15 @@ bool SoftBody::Impl::isMetAsDrawnBy( const btCollisionObject& other ) const
 	{
 		return isMetAsDrawn();
 	}
+	if ( !other.isStaticOrKinematicObject() || bodyTemplate->settings().contactSurface )
+	{
+		return surfaceNow().hasPatches();
+	}
 	// In the object's own frame, so that it does not depend on how the object is turned.
 	btVector3 low, high;
 	other.getCollisionShape()->getAabb( btTransform::getIdentity(), low, high );
 	const btVector3 size = high - low;
-	const bool isSmall = double( size[size.maxAxis()] ) < kSmallThing * double( body->lattice().cellSize );
-	return ( isSmall || bodyTemplate->settings().contactSurface ) && surfaceNow().hasPatches();
+	return double( size[size.maxAxis()] ) < kSmallThing * double( body->lattice().cellSize ) && surfaceNow().hasPatches();
 }
 
 } // namespace pliant

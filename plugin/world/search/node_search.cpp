@@ -69,6 +69,7 @@ std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCo
 	m_surface = soft.impl().isMetAsDrawnBy( *other.getCollisionObject() ) ? &soft.impl().surfaceNow() : nullptr;
 	m_step = step;
 	m_leaf = 0;
+	m_patchObstacle = PatchObstacle{};
 	m_hits.clear();
 	m_motion = m_unforcedMotion = ObstacleMotion{};
 	m_looksAhead = soft.impl().isImplicit && soft.isActive() && int( soft.impl().body->velocityBefore().x.size() ) >= soft.nodeCount();
@@ -148,11 +149,6 @@ double NodeSearch::overhang() const
 	return m_surface ? double( m_soft->impl().body->lattice().overhang ) : 0.0;
 }
 
-bool NodeSearch::fitsBetweenSpheres( btScalar size ) const
-{
-	return m_surface && double( size ) < kEdgeThing * m_surface->cellSize();
-}
-
 // Tests the patch in front of a node, or the node's own sphere where the patch does not face the obstacle.
 template <class Nearest, class Find>
 inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nearest& nearest, const Find& find, Touch& touch ) const
@@ -160,7 +156,7 @@ inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nea
 	ContactSurface::Patch patch;
 	if ( m_surface && m_surface->patchOf( m_soft->impl().body->nodes(), node, patch ) )
 	{
-		const PatchAnswer answer = findPatchTouch( patch, m_surface->cellSize(), sphere, nearest, find, touch );
+		const PatchAnswer answer = findPatchTouch( patch, m_surface->cellSize(), m_patchObstacle, sphere, nearest, find, touch );
 		if ( answer != PatchAnswer::UseSphere )
 		{
 			return answer == PatchAnswer::Touches;
@@ -180,7 +176,8 @@ namespace {
 
 /// At edges, where nodes have no patch, tests the face in front of one against an object that would fit between their spheres.
 template <class Nearest, class Find>
-PatchAnswer touchEdge( const SoftBody& soft, int node, const MovingSphere& sphere, const Nearest& nearest, const Find& find, Touch& touch )
+PatchAnswer touchEdge( const SoftBody& soft, PatchObstacle obstacle, int node, const MovingSphere& sphere, const Nearest& nearest,
+	const Find& find, Touch& touch )
 {
 	const SoftBody::Impl& impl = soft.impl();
 	const ContactSurface& surface = impl.surfaceNow();
@@ -191,7 +188,7 @@ PatchAnswer touchEdge( const SoftBody& soft, int node, const MovingSphere& spher
 	{
 		return PatchAnswer::UseSphere;
 	}
-	return findPatchTouch( face, surface.cellSize(), sphere, nearest, find, touch );
+	return findPatchTouch( face, surface.cellSize(), obstacle, sphere, nearest, find, touch );
 }
 
 } // namespace
@@ -302,12 +299,12 @@ void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Fin
 	const bool looksAhead = m_looksAhead && obstacle.shape->isConvex();
 	const Obstacle then = looksAhead ? m_unforcedMotion.moved( obstacle, m_step ) : Obstacle{};
 	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
-	const bool isSmall = fitsBetweenSpheres( size );
 	m_marks.takeAll( [&]( int node ) {
 		noteNearby( node, size );
 		Touch touch;
 		const MovingSphere sphere = spheres.of( node );
-		const PatchAnswer edge = isSmall ? touchEdge( *m_soft, node, sphere, nearest, find, touch ) : PatchAnswer::UseSphere;
+		const PatchAnswer edge = m_patchObstacle.isSmall ? touchEdge( *m_soft, m_patchObstacle, node, sphere, nearest, find, touch )
+														 : PatchAnswer::UseSphere;
 		if ( ( edge == PatchAnswer::UseSphere ? touches( node, sphere, nearest, find, touch ) : edge == PatchAnswer::Touches ) &&
 			( !looksAhead || touch.reach >= 0.0 || lookAhead( then, sphere, spheres.ahead( node ), touch ) ) )
 		{
@@ -327,7 +324,9 @@ void NodeSearch::solid( const Obstacle& obstacle )
 	const btScalar size = extent[extent.maxAxis()];
 	box.stretchAlong( toBt( m_step * m_motion.linear ) );
 	// A small object is met by all nodes around it, each at its own point, so that it lies on several.
-	box.widen( overhang() + ( fitsBetweenSpheres( size ) ? kSmallReach * m_surface->cellSize() : 0.0 ) );
+	m_patchObstacle.isSmall = m_surface && double( size ) < kEdgeThing * m_surface->cellSize();
+	m_patchObstacle.isRound = !obstacle.shape->isPolyhedral();
+	box.widen( overhang() + ( m_patchObstacle.isSmall ? kSmallReach * m_surface->cellSize() : 0.0 ) );
 	const btScalar turn = btScalar( m_step * m_motion.angular.norm() * ( obstacle.position - m_motion.centre ).norm() ) +
 		btScalar( m_step * m_motion.angular.norm() ) * ( box.high - box.low ).length() / 2;
 	box.move( btVector3( -turn, -turn, -turn ), btVector3( turn, turn, turn ) );

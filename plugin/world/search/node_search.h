@@ -79,8 +79,6 @@ private:
 	void noteNearby( int node, btScalar size ) const;
 	btVector3 cornerReach() const;
 	double overhang() const; ///< of the contact surface, m
-	/// Whether an object of that size, m, fits between the spheres at an edge of the contact surface.
-	bool fitsBetweenSpheres( btScalar size ) const;
 	template <class Find>
 	void foresee( int node, const Find& find ) const;
 	template <class Find>
@@ -98,6 +96,7 @@ private:
 	bool m_looksAhead = false;       ///< the body steps implicitly, and its velocities at the substep's start are known
 	ObstacleMotion m_motion;
 	ObstacleMotion m_unforcedMotion; ///< without the step's forces: a body at rest does not fall
+	PatchObstacle m_patchObstacle;
 	std::uint32_t m_leaf = 0;
 	std::vector<NodeHit> m_hits;
 	NodeMarks m_marks;

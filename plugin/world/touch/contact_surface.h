@@ -31,6 +31,8 @@ public:
 		double radius = 0.0;           ///< m
 
 		bool isFlat( double cellSize ) const { return radius > kFlatRadius * cellSize; }
+		/// True for the largest radius, which stands for a plane.
+		bool isPlane( double cellSize ) const { return radius > kPlaneRadius * cellSize; }
 	};
 	/// False where the node has none: at edges, in thin parts, and where the cells around it are crushed.
 	bool patchOf( const NodeState& nodes, int node, Patch& patch ) const;
@@ -70,20 +72,54 @@ enum class PatchAnswer : int
 	Touches
 };
 
+/// Moves a touch of the sphere whose centre is `inwards`, m, behind the node to the plane that the patch stands for.
+inline void touchPlane( const ContactSurface::Patch& patch, double inwards, const MovingSphere& own, Touch& touch )
+{
+	// q - x = ( c - x ) - D n:   the gap is N.( q - x ) - h, N the patch's normal.
+	const Vec3d onObstacle = -inwards * patch.normal - touch.distance * touch.normal;
+	touch.normal = -patch.normal;
+	touch.distance = patch.normal.dot( onObstacle ) + own.radius - patch.height;
+	touch.reach = patch.height;
+	touch.aside = onObstacle - patch.normal.dot( onObstacle ) * patch.normal;
+}
+
+/// Finds where a patch that does not touch yet touches within the step. `inwards`: of its sphere's centre behind the node, m; `most`:
+/// largest distance of the point from the node's line, m.
+template <class Find>
+PatchAnswer sweepPatch(
+	const ContactSurface::Patch& patch, double inwards, double most, const MovingSphere& own, const Find& find, Touch& touch )
+{
+	MovingSphere sphere = own;
+	sphere.centre = own.centre - inwards * patch.normal;
+	sphere.radius = inwards + patch.height;
+	sphere.scale = own.radius;
+	if ( !find( sphere, touch ) )
+	{
+		return PatchAnswer::Clear;
+	}
+	const double cosine = -patch.normal.dot( touch.normal );
+	const double aside = inwards * std::sqrt( std::max( 0.0, 1.0 - cosine * cosine ) );
+	return cosine < kLeastContactCosine || aside > most * ( 1.0 + kPatchTolerance ) ? PatchAnswer::UseSphere : PatchAnswer::Touches;
+}
+
 /// Tests a patch against an obstacle. `nearest( sphere, touch )`: findNearest for a sphere; `find( sphere, touch )`: findTouch. The
 /// distance returned is that of the node's own sphere at the same gap (Touch::distance); Touch::aside and Touch::reach locate the point on
 /// the surface.
 ///
 /// The patch is a sphere of radius R with its centre R - h behind the node, h the height of the surface. Where the sine of the angle
 /// between contact normal and patch normal is s, it touches at a distance ( R - h ) s from the node's line. Where that exceeds the distance
-/// to other nodes' regions, a smaller sphere is used.
+/// to other nodes' regions, a smaller sphere is used. In front of a plane the sphere only finds a polyhedron's nearest point, which touches
+/// the plane itself: its normal does not slant to the side.
 template <class Nearest, class Find>
-PatchAnswer findPatchTouch(
-	const ContactSurface::Patch& patch, double cellSize, const MovingSphere& own, const Nearest& nearest, const Find& find, Touch& touch )
+PatchAnswer findPatchTouch( const ContactSurface::Patch& patch, double cellSize, PatchObstacle obstacle, const MovingSphere& own,
+	const Nearest& nearest, const Find& find, Touch& touch )
 {
-	const double flat = patch.radius - patch.height, most = kPatchHalfWidth * cellSize;
+	const double flat = patch.radius - patch.height;
 	MovingSphere sphere = own;
-	double inwards = flat;
+	const double depth = kPlaneDepth * cellSize;
+	const bool isPlane = patch.isPlane( cellSize );
+	const double most = ( isPlane && !obstacle.isSmall ? kPlaneHalfWidth : kPatchHalfWidth ) * cellSize;
+	double inwards = isPlane && !( obstacle.isRound && obstacle.isSmall ) ? depth : flat;
 	for ( int round = 0; round < kPatchRounds; ++round )
 	{
 		sphere.centre = own.centre - inwards * patch.normal;
@@ -119,19 +155,16 @@ PatchAnswer findPatchTouch(
 		const bool touchesNow = touch.distance <= inwards + patch.height + kContactSlop * own.radius;
 		if ( !touchesNow && own.isFast() )
 		{
-			sphere.centre = own.centre - inwards * patch.normal;
-			sphere.radius = inwards + patch.height;
-			sphere.scale = own.radius;
-			if ( !find( sphere, touch ) )
+			const PatchAnswer swept = sweepPatch( patch, inwards, most, own, find, touch );
+			if ( swept != PatchAnswer::Touches )
 			{
-				return PatchAnswer::Clear;
+				return swept;
 			}
-			const double then = -patch.normal.dot( touch.normal );
-			const double aside = inwards * std::sqrt( std::max( 0.0, 1.0 - then * then ) );
-			if ( then < kLeastContactCosine || aside > most * ( 1.0 + kPatchTolerance ) )
-			{
-				return PatchAnswer::UseSphere;
-			}
+		}
+		if ( isPlane && !obstacle.isRound && inwards == depth )
+		{
+			touchPlane( patch, depth, own, touch );
+			return own.reaches( touch.normal, touch.distance ) ? PatchAnswer::Touches : PatchAnswer::Clear;
 		}
 		// The plane there is n.( y - q ) = 0. The node is D - ( c - x ).n from it, the sphere's foremost point nearer by R + ( c - x ).n.
 		const Vec3d at = -inwards * patch.normal - ( inwards + patch.height ) * touch.normal;

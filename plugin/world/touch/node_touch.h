@@ -63,6 +63,13 @@ struct Touch
 	Vec3d otherPoint( double radius ) const { return aside - ( ( reach < 0.0 ? 0.0 : reach - radius ) + distance ) * normal; }
 };
 
+/// What a patch must know of an obstacle.
+struct PatchObstacle
+{
+	bool isSmall = false; ///< smaller than kEdgeThing, so that several nodes must carry it
+	bool isRound = false; ///< no polyhedron: it touches where its own normal is
+};
+
 /// The point of a plane or a convex shape nearest to a sphere's centre, as a touch. False for other shapes.
 bool findNearest( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch );
 /// Returns the gap along an axis between a convex shape's own box, which is tight for thin hulls, and the box of two points, m: the largest
