@@ -69,7 +69,6 @@ std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCo
 	m_surface = soft.impl().isMetAsDrawnBy( *other.getCollisionObject() ) ? &soft.impl().surfaceNow() : nullptr;
 	m_step = step;
 	m_leaf = 0;
-	m_patchObstacle = PatchObstacle{};
 	m_hits.clear();
 	m_motion = m_unforcedMotion = ObstacleMotion{};
 	m_looksAhead = soft.impl().isImplicit && soft.isActive() && int( soft.impl().body->velocityBefore().x.size() ) >= soft.nodeCount();
@@ -103,6 +102,7 @@ void NodeSearch::visit( const Obstacle& obstacle )
 {
 	const btCollisionShape* shape = obstacle.shape;
 	const int type = shape->getShapeType();
+	m_patchObstacle = PatchObstacle{}; // solid() sets it; a compound may have a mesh beside solids
 	if ( type == STATIC_PLANE_PROXYTYPE )
 	{
 		plane( obstacle );

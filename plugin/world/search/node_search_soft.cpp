@@ -126,7 +126,7 @@ private:
 		double radius, Touch& touch )
 	{
 		return findPatchTouch(
-			patch, body.surfaceNow().cellSize(), PatchObstacle{ true, true }, own,
+			patch, body.surfaceNow().cellSize(), PatchObstacle{ .isSmall = true, .isRound = true }, own,
 			[&]( const MovingSphere& now, Touch& found ) { return findNearest( radius, at, now, found ); },
 			[&]( const MovingSphere& now, Touch& found ) { return findBallTouch( radius, at, now, found ); }, touch );
 	}

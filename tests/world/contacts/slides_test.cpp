@@ -36,7 +36,7 @@ TEST( Slides, OfAnImplicitTrackFollowTheory )
 	}
 }
 
-// Friction below the surface tipped boxes of up to a cell at friction 0.6, and of 5 cells at 1.
+// Friction below the surface tipped boxes of half a cell at friction 0.6, and of 1 and 5 cells at 1.
 TEST( Slides, OfAnExplicitTrackFollowTheory )
 {
 	for ( const double cells : kSizes )
