@@ -97,6 +97,9 @@ inline constexpr double kPlaneDepth = 8.0;
 /// Half width of a node's plane for objects that many nodes carry, cells: where the surface is bent, wider ones stick out of it and push
 /// out what is above their neighbours.
 inline constexpr double kPlaneHalfWidth = 0.6;
+/// The same for small objects other than spheres, which the nodes around one above a node must support too: from the depth all nodes around
+/// a box that is tilted by up to a quarter of a radian find their own corner of it, where a single one would tip it to and fro.
+inline constexpr double kSmallPlaneDepth = 4.0, kSmallPlaneHalfWidth = 1.2;
 /// Sine of the angle to its normal below which a patch touches a flat obstacle on the node's own line, so that contacts of resting faces
 /// involve few nodes. An obstacle is flat where its normals at two points agree by the cosine.
 inline constexpr double kFlatSine = 0.02, kSameNormal = 1.0 - 1e-9;

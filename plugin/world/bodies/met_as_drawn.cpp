@@ -4,8 +4,7 @@
 #include "world/rigid/rigid_proxy.h"
 #include "world/shape/contact_proxy.h"
 #include "world/touch/edge_constants.h"
-
-#include <BulletCollision/CollisionShapes/btCollisionShape.h>
+#include "world/touch/node_touch.h"
 
 namespace pliant {
 
@@ -29,11 +28,8 @@ bool SoftBody::Impl::isMetAsDrawnBy( const btCollisionObject& other ) const
 	{
 		return surfaceNow().hasPatches();
 	}
-	// In the object's own frame, so that it does not depend on how the object is turned.
-	btVector3 low, high;
-	other.getCollisionShape()->getAabb( btTransform::getIdentity(), low, high );
-	const btVector3 size = high - low;
-	return double( size[size.maxAxis()] ) < kSmallThing * double( body->lattice().cellSize ) && surfaceNow().hasPatches();
+	return double( largestExtent( *other.getCollisionShape() ) ) < kSmallThing * double( body->lattice().cellSize ) &&
+		surfaceNow().hasPatches();
 }
 
 } // namespace pliant

@@ -320,12 +320,13 @@ void NodeSearch::solid( const Obstacle& obstacle )
 	inShape.position -= impl.shapeShift.cast<double>();
 	Box box;
 	obstacle.shape->getAabb( inShape.transform(), box.low, box.high );
-	const btVector3 extent = box.high - box.low;
-	const btScalar size = extent[extent.maxAxis()];
+	const btScalar size = largestExtent( *obstacle.shape );
 	box.stretchAlong( toBt( m_step * m_motion.linear ) );
 	// A small object is met by all nodes around it, each at its own point, so that it lies on several.
 	m_patchObstacle.isSmall = m_surface && double( size ) < kEdgeThing * m_surface->cellSize();
-	m_patchObstacle.isRound = !obstacle.shape->isPolyhedral();
+	const int type = obstacle.shape->getShapeType();
+	m_patchObstacle.isRound = m_patchObstacle.isSmall ? type == SPHERE_SHAPE_PROXYTYPE : !obstacle.shape->isPolyhedral();
+	m_patchObstacle.rounding = type == CAPSULE_SHAPE_PROXYTYPE ? double( obstacle.shape->getMargin() ) : 0.0;
 	box.widen( overhang() + ( m_patchObstacle.isSmall ? kSmallReach * m_surface->cellSize() : 0.0 ) );
 	const btScalar turn = btScalar( m_step * m_motion.angular.norm() * ( obstacle.position - m_motion.centre ).norm() ) +
 		btScalar( m_step * m_motion.angular.norm() ) * ( box.high - box.low ).length() / 2;

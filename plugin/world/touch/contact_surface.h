@@ -72,11 +72,12 @@ enum class PatchAnswer : int
 	Touches
 };
 
-/// Moves a touch of the sphere whose centre is `inwards`, m, behind the node to the plane that the patch stands for.
-inline void touchPlane( const ContactSurface::Patch& patch, double inwards, const MovingSphere& own, Touch& touch )
+/// Moves a touch of the sphere whose centre is `inwards`, m, behind the node to the plane that the patch stands for. `rounding`: radius of
+/// an obstacle that is a small capsule, m.
+inline void touchPlane( const ContactSurface::Patch& patch, double inwards, double rounding, const MovingSphere& own, Touch& touch )
 {
-	// q - x = ( c - x ) - D n:   the gap is N.( q - x ) - h, N the patch's normal.
-	const Vec3d onObstacle = -inwards * patch.normal - touch.distance * touch.normal;
+	// q - x = ( c - x ) - D n - r ( n + N ):   the gap is N.( q - x ) - h, N the patch's normal, r the radius of a capsule.
+	const Vec3d onObstacle = -inwards * patch.normal - touch.distance * touch.normal - rounding * ( touch.normal + patch.normal );
 	touch.normal = -patch.normal;
 	touch.distance = patch.normal.dot( onObstacle ) + own.radius - patch.height;
 	touch.reach = patch.height;
@@ -114,12 +115,11 @@ template <class Nearest, class Find>
 PatchAnswer findPatchTouch( const ContactSurface::Patch& patch, double cellSize, PatchObstacle obstacle, const MovingSphere& own,
 	const Nearest& nearest, const Find& find, Touch& touch )
 {
-	const double flat = patch.radius - patch.height;
 	MovingSphere sphere = own;
-	const double depth = kPlaneDepth * cellSize;
-	const bool isPlane = patch.isPlane( cellSize );
-	const double most = ( isPlane && !obstacle.isSmall ? kPlaneHalfWidth : kPatchHalfWidth ) * cellSize;
-	double inwards = isPlane && !( obstacle.isRound && obstacle.isSmall ) ? depth : flat;
+	const bool isPlane = patch.isPlane( cellSize ), isSmallSphere = obstacle.isSmall && obstacle.isRound;
+	const double depth = obstacle.planeDepth() * cellSize;
+	const double most = ( isPlane && !isSmallSphere ? obstacle.planeHalfWidth() : kPatchHalfWidth ) * cellSize;
+	double inwards = isPlane && !isSmallSphere ? depth : patch.radius - patch.height;
 	for ( int round = 0; round < kPatchRounds; ++round )
 	{
 		sphere.centre = own.centre - inwards * patch.normal;
@@ -163,7 +163,7 @@ PatchAnswer findPatchTouch( const ContactSurface::Patch& patch, double cellSize,
 		}
 		if ( isPlane && !obstacle.isRound && inwards == depth )
 		{
-			touchPlane( patch, depth, own, touch );
+			touchPlane( patch, depth, obstacle.rounding, own, touch );
 			return own.reaches( touch.normal, touch.distance ) ? PatchAnswer::Touches : PatchAnswer::Clear;
 		}
 		// The plane there is n.( y - q ) = 0. The node is D - ( c - x ).n from it, the sphere's foremost point nearer by R + ( c - x ).n.

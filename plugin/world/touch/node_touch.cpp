@@ -269,6 +269,14 @@ double gapToOwnBox( const Obstacle& obstacle, const Vec3d& from, const Vec3d& to
 	return ( toEigen( low ) - a.cwiseMax( b ) ).cwiseMax( a.cwiseMin( b ) - toEigen( high ) ).maxCoeff();
 }
 
+btScalar largestExtent( const btCollisionShape& shape )
+{
+	btVector3 low, high;
+	shape.getAabb( btTransform::getIdentity(), low, high );
+	const btVector3 extent = high - low;
+	return extent[extent.maxAxis()];
+}
+
 btTransform Obstacle::transform() const
 {
 	const Eigen::Matrix3d& m = basis;

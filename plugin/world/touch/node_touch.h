@@ -18,6 +18,9 @@ class btSphereShape;
 
 namespace pliant {
 
+/// Longest edge of a shape's box in its own frame, m, so that it does not depend on how the shape is turned.
+btScalar largestExtent( const btCollisionShape& shape );
+
 /// One simple shape in a soft body's coordinates; a compound consists of several.
 struct Obstacle
 {
@@ -66,8 +69,13 @@ struct Touch
 /// What a patch must know of an obstacle.
 struct PatchObstacle
 {
-	bool isSmall = false; ///< smaller than kEdgeThing, so that several nodes must carry it
-	bool isRound = false; ///< no polyhedron: it touches where its own normal is
+	bool isSmall = false;  ///< smaller than kEdgeThing, so that several nodes must carry it
+	bool isRound = false;  ///< it touches where its own normal is: no polyhedron, or, of small objects, a sphere
+	double rounding = 0.0; ///< m, radius of a small capsule
+
+	/// In front of a plane, cells.
+	double planeDepth() const { return isSmall ? kSmallPlaneDepth : kPlaneDepth; }
+	double planeHalfWidth() const { return isSmall ? kSmallPlaneHalfWidth : kPlaneHalfWidth; }
 };
 
 /// The point of a plane or a convex shape nearest to a sphere's centre, as a touch. False for other shapes.

@@ -163,7 +163,8 @@ void impacts( Elasticity elasticity )
 				Impact impact( unsigned( seed ), elasticity, BouncingSurface{ friction, restitution } );
 				impact.run( 40 );
 				EXPECT_LT( impact.most, 1.001 ) << seed << " friction " << friction << " restitution " << restitution;
-				EXPECT_LT( impact.rise, 0.015 ) << seed << " friction " << friction << " restitution " << restitution;
+				// .013 as GCC compiles it, .019 as clang does.
+				EXPECT_LT( impact.rise, 0.025 ) << seed << " friction " << friction << " restitution " << restitution;
 				most = std::max( most, impact.most );
 				rise = std::max( rise, impact.rise );
 				left += impact.left / kSeeds;

@@ -9,8 +9,8 @@
 namespace pliant {
 namespace {
 
-/// Expects all distances within `most` of theory.
-void expectSlides( test::SlidingBox box, std::initializer_list<double> frictions, double most )
+/// Expects all distances within `most` of theory for steps of length `step`, s.
+void expectSlides( test::SlidingBox box, std::initializer_list<double> frictions, double step, double most )
 {
 	for ( const double speed : { 2.0, 4.0 } )
 	{
@@ -20,28 +20,28 @@ void expectSlides( test::SlidingBox box, std::initializer_list<double> frictions
 			box.friction = friction;
 			const double slid = test::slideOnATrack( box );
 			std::printf( "%.1f cells, %.0f m/s, friction %.1f: %.3f of theory\n", box.cells, speed, friction, slid );
-			EXPECT_NEAR( slid, 1.0, most ) << box.cells << " " << speed << " " << friction;
+			// Positions follow the velocity at each step's end, which is lower by mu g h: of v^2 / ( 2 mu g ) a part of mu g h / v is lost.
+			EXPECT_NEAR( slid, 1.0 - friction * test::kGravity * step / speed, most ) << box.cells << " " << speed << " " << friction;
 		}
 	}
 }
 
 constexpr double kSizes[] = { 0.5, 1.0, 2.0, 5.0 }; // cells
 
-// From 2 m/s at friction 1 a box stops within a fifth of a second, and theory itself loses a twelfth in steps of a sixtieth.
 TEST( Slides, OfAnImplicitTrackFollowTheory )
 {
 	for ( const double cells : kSizes )
 	{
-		expectSlides( { .elasticity = Elasticity::Implicit, .cells = cells }, { 0.0, 0.1, 0.3, 0.6 }, 0.06 );
+		expectSlides( { .elasticity = Elasticity::Implicit, .cells = cells }, { 0.0, 0.1, 0.3, 0.6, 1.0 }, double( test::kFrame ), 0.045 );
 	}
 }
 
-// Friction below the surface tipped boxes of half a cell at friction 0.6, and of 1 and 5 cells at 1.
+// In substeps theory loses little. Friction below the surface tipped boxes of half a cell at friction 0.6, and of 1 and 5 cells at 1.
 TEST( Slides, OfAnExplicitTrackFollowTheory )
 {
 	for ( const double cells : kSizes )
 	{
-		expectSlides( { .elasticity = Elasticity::Explicit, .cells = cells }, { 0.0, 0.1, 0.3, 0.6, 1.0 }, 0.03 );
+		expectSlides( { .elasticity = Elasticity::Explicit, .cells = cells }, { 0.0, 0.1, 0.3, 0.6, 1.0 }, 0.0, 0.03 );
 	}
 }
 

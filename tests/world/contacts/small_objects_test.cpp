@@ -1,0 +1,104 @@
+// Rigid objects of a tenth to a third of a cell on the top and on the rim of a soft block.
+
+#include "test_meshes.h"
+#include "world/test_world.h"
+
+#include "support/surface_queries.h"
+
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+using test::at;
+using test::TestWorld;
+
+constexpr double kBlockCell = 0.1;
+
+/// A block of 12 x 5 x 12 cells on the floor, its top face at 0.5 m.
+SoftBody* addTestBlock( TestWorld& t, Elasticity elasticity )
+{
+	t.addPlane();
+	LatticeSettings settings;
+	settings.cellSize = float( kBlockCell );
+	Material material = test::stiff( 5e5f );
+	material.elasticity = elasticity;
+	return t.addSoft( BodyTemplate::build( test::makeBox( { -0.6, -0.25, -0.6 }, { 0.6, 0.25, 0.6 }, 6 ).view(), settings ).value,
+		at( 0, btScalar( 0.25 ), 0 ), material );
+}
+
+/// An irregular octahedron of 0.3 cells. Bullet's box around a hull whose margin was changed after its points is wider by that change.
+btCollisionShape* hull()
+{
+	auto* const shape = new btConvexHullShape();
+	constexpr btScalar kHalf = btScalar( 0.15 * kBlockCell );
+	for ( const btVector3& corner : { btVector3( 1, 0, 0 ), btVector3( -1, 0, 0 ), btVector3( 0, 1, 0 ), btVector3( 0, -1, 0 ),
+			  btVector3( 0, 0, 1 ), btVector3( 0, 0, -1 ), btVector3( btScalar( 0.6 ), btScalar( 0.6 ), btScalar( 0.6 ) ) } )
+	{
+		shape->addPoint( corner * kHalf );
+	}
+	shape->setMargin( kHalf * btScalar( 0.1 ) );
+	return shape;
+}
+
+// All nodes around a small box found the same corner of it and pushed that one out; by the next step it had tipped to the other side, and
+// so on for ever, up to a tenth of a cell below the surface.
+TEST( SmallObjects, BoxesLieOnTheSurface )
+{
+	for ( const Elasticity elasticity : { Elasticity::Implicit, Elasticity::Explicit } )
+	{
+		TestWorld t;
+		const SoftBody* const soft = addTestBlock( t, elasticity );
+		t.run( 30 );
+		std::vector<btRigidBody*> boxes;
+		constexpr btScalar kHalf = btScalar( 0.07 * kBlockCell );
+		for ( int k = 0; k < 36; ++k )
+		{
+			const btScalar x = btScalar( 0.153 ) * btScalar( k % 6 ) - btScalar( 0.4 ),
+						   z = btScalar( 0.157 ) * btScalar( k / 6 ) - btScalar( 0.4 );
+			boxes.push_back(
+				t.addBox( btScalar( 0.003 ), btVector3( kHalf, kHalf * btScalar( 0.7 ), kHalf ), at( x, btScalar( 0.56 ), z ) ) );
+			boxes.back()->setLinearVelocity( btVector3( 0, btScalar( -0.4 ) * btScalar( k % 7 ), 0 ) );
+			boxes.back()->setAngularVelocity( btVector3( btScalar( k % 5 - 2 ), 0, btScalar( k % 3 - 1 ) ) );
+		}
+		t.run( 90 );
+		const test::DrawnTriangles drawn( *soft );
+		for ( const btRigidBody* const box : boxes )
+		{
+			EXPECT_FALSE( drawn.contains( box->getWorldTransform().getOrigin() ) )
+				<< int( elasticity ) << ", " << drawn.distance( box->getWorldTransform().getOrigin() ) / kBlockCell << " cells";
+		}
+	}
+}
+
+// At a rim nodes have no patch, and a hull that was turned so that Bullet's box around it was larger than a cell and a half came to rest in
+// the groove between two of their spheres.
+TEST( SmallObjects, HullsSinkIntoNoGrooveAtARim )
+{
+	for ( const Elasticity elasticity : { Elasticity::Implicit, Elasticity::Explicit } )
+	{
+		TestWorld t;
+		const SoftBody* const soft = addTestBlock( t, elasticity );
+		t.run( 30 );
+		std::vector<btRigidBody*> hulls;
+		for ( int k = 0; k < 10; ++k )
+		{
+			const btScalar z = btScalar( 0.1 ) * btScalar( k - 5 );
+			hulls.push_back( t.add( btScalar( 0.01 ), hull(), at( btScalar( 0.552 ) + btScalar( 0.002 ) * k, btScalar( 0.53 ), z ) ) );
+			btTransform turned = hulls.back()->getWorldTransform();
+			turned.setRotation( btQuaternion( btVector3( 1, 1, 1 ).normalized(), btScalar( 0.3 ) * k ) );
+			hulls.back()->setWorldTransform( turned );
+		}
+		t.run( 60 );
+		const test::DrawnTriangles drawn( *soft );
+		for ( const btRigidBody* const thing : hulls )
+		{
+			const btVector3 centre = thing->getWorldTransform().getOrigin();
+			EXPECT_TRUE( !drawn.contains( centre ) || drawn.distance( centre ) < 0.02 * kBlockCell )
+				<< int( elasticity ) << ", " << drawn.distance( centre ) / kBlockCell << " cells";
+		}
+	}
+}
+
+} // namespace
+} // namespace pliant
