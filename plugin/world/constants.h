@@ -76,7 +76,7 @@ inline constexpr double kNearMargin = 0.5;
 /// Nodes that are this many diameters apart at rest, with material between them, cannot be brought into contact by crushing it.
 inline constexpr double kCrushedNodes = 8.0;
 
-/// Implicit soft bodies touch in spheres centred at this fraction of the distance to the node behind (round_surface.h): twice the radius.
+/// Soft bodies touch in spheres centred at this fraction of the distance to the node behind (round_surface.h): twice the radius.
 inline constexpr double kRoundFraction = 0.5;
 /// Cosines between a face and the direction to the other node at which the sphere begins to grow, and has its full size.
 inline constexpr double kLeastRoundCosine = 0.5;

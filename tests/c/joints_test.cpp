@@ -5,6 +5,8 @@
 #include "pliant/c/mix.h"
 #include "pliant/soft_body_host.h"
 
+#include <LinearMath/btIDebugDraw.h>
+
 #include <array>
 #include <cmath>
 

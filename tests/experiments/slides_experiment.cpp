@@ -1,4 +1,4 @@
-// Boxes of .2 to 5 cells that slide over a rigid floor and over a soft track: distance over theory.
+// Boxes of .2 to 5 cells that slide over a rigid floor and over a soft track: distance over theory; and the slopes on which they slide.
 
 #include "experiments/experiments.h"
 
@@ -10,12 +10,12 @@ namespace pliant::experiment {
 
 namespace {
 
-void printSlides( const char* name, test::SlidingBox box )
+void printSlides( const char* name, test::SlidingBox box, std::initializer_list<double> sizes )
 {
 	for ( const double speed : { 2.0, 4.0 } )
 	{
 		std::printf( "%s, %.0f m/s\ncells   friction 0   .1     .3     .6     1\n", name, speed );
-		for ( const double cells : { 0.2, 0.5, 1.0, 2.0, 5.0 } )
+		for ( const double cells : sizes )
 		{
 			std::printf( "%5.1f        ", cells );
 			for ( const double friction : { 0.0, 0.1, 0.3, 0.6, 1.0 } )
@@ -30,13 +30,47 @@ void printSlides( const char* name, test::SlidingBox box )
 	}
 }
 
+void printSlopes( const char* name, test::SlidingBox box, std::initializer_list<double> sizes )
+{
+	std::printf( "%s, a degree below and above the angle of friction\ncells   friction .1            .3            .6\n", name );
+	for ( const double cells : sizes )
+	{
+		std::printf( "%5.1f     ", cells );
+		for ( const double friction : { 0.1, 0.3, 0.6 } )
+		{
+			box.cells = cells;
+			box.friction = friction;
+			const double below = test::slideOnASlope( box, -1.0 ), above = test::slideOnASlope( box, 1.0 );
+			std::printf( "  %5.2f %5.2f", below, above );
+		}
+		std::puts( "" );
+	}
+}
+
 } // namespace
 
 void slidesExperiment()
 {
-	printSlides( "rigid floor", { .isFloorRigid = true } );
-	printSlides( "implicit", { .elasticity = Elasticity::Implicit } );
-	printSlides( "explicit", { .elasticity = Elasticity::Explicit } );
+	const auto rigid = { 0.2, 0.5, 1.0, 2.0, 5.0 }, soft = { 2.0, 5.0 };
+	constexpr double kEqual = 0.1, kFiner = 0.06; // cell sizes of soft boxes, m
+	printSlides( "rigid floor", { .isFloorRigid = true }, rigid );
+	for ( const Elasticity elasticity : { Elasticity::Implicit, Elasticity::Explicit } )
+	{
+		std::puts( elasticity == Elasticity::Implicit ? "-- implicit" : "-- explicit" );
+		printSlides( "rigid box", { .elasticity = elasticity }, rigid );
+		printSlides( "rigid box, levels", { .elasticity = elasticity, .coarseLevels = 1 }, rigid );
+		printSlides( "soft box, equal cells", { .elasticity = elasticity, .ownCell = kEqual }, soft );
+		printSlides( "soft box, smaller cells", { .elasticity = elasticity, .ownCell = kFiner }, soft );
+	}
+	printSlopes( "rigid floor", { .isFloorRigid = true }, rigid );
+	for ( const Elasticity elasticity : { Elasticity::Implicit, Elasticity::Explicit } )
+	{
+		std::puts( elasticity == Elasticity::Implicit ? "-- implicit" : "-- explicit" );
+		printSlopes( "rigid box", { .elasticity = elasticity }, rigid );
+		printSlopes( "rigid box, levels", { .elasticity = elasticity, .coarseLevels = 1 }, rigid );
+		printSlopes( "soft box, equal cells", { .elasticity = elasticity, .ownCell = kEqual }, soft );
+		printSlopes( "soft box, smaller cells", { .elasticity = elasticity, .ownCell = kFiner }, soft );
+	}
 }
 
 } // namespace pliant::experiment

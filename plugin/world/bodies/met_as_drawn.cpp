@@ -8,6 +8,18 @@
 
 namespace pliant {
 
+namespace {
+
+/// Fragments, whose faces fit into each other cell by cell, touch each other in their nodes' spheres; so do bodies that step explicitly,
+/// since stacks of them would not come to rest on plane faces.
+bool isWhole( const SoftBody::Impl& impl )
+{
+	return impl.isImplicit && !impl.body->levels() && !impl.family && impl.fractureVersion == 0 && !impl.body->lattice().patch.empty() &&
+		impl.surfaceNow().hasPatches();
+}
+
+} // namespace
+
 bool SoftBody::Impl::isMetAsDrawn() const
 {
 	return bodyTemplate->settings().contactSurface && !body->lattice().patch.empty() && surfaceNow().hasPatches();
@@ -19,8 +31,13 @@ bool SoftBody::Impl::isMetAsDrawnBy( const btCollisionObject& other ) const
 	{
 		return false; // Bullet solves these contacts, each by one node
 	}
-	const bool isSoft = ownerOfContactProxy( &other ) || ownerOfRigidProxy( &other ) || SoftBody::upcast( &other );
-	if ( isSoft || body->levels() || body->lattice().patch.empty() )
+	const SoftBody* const owner = ownerOfContactProxy( &other );
+	const SoftBody* const soft = owner ? owner : SoftBody::upcast( &other );
+	if ( soft && &soft->impl() != this && isWhole( *this ) && isWhole( soft->impl() ) )
+	{
+		return true;
+	}
+	if ( soft || ownerOfRigidProxy( &other ) || body->levels() || body->lattice().patch.empty() )
 	{
 		return isMetAsDrawn();
 	}

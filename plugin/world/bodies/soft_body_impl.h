@@ -273,8 +273,8 @@ struct SoftBody::Impl
 	/// Returns true if contacts with all objects use patches of the drawn surface. The block solver solves them, since Bullet's has no
 	/// contacts that are shared by several nodes; a body that steps explicitly takes part with its masses alone.
 	bool isMetAsDrawn() const;
-	/// The same for contacts with one object: all bodies show small rigid ones their drawn surface, since these would fall into the gaps
-	/// between nodes' spheres.
+	/// The same for contacts with one object: all bodies show rigid ones that move or are small their drawn surface, which would fall into
+	/// the gaps between nodes' spheres, and whole soft ones, whose spheres would interlock.
 	bool isMetAsDrawnBy( const btCollisionObject& other ) const;
 	/// How far the patches lie in front of the nodes' spheres at most, m.
 	double overhang() const { return body->levels() ? 0.0 : double( body->lattice().overhang ); }

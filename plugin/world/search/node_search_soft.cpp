@@ -3,6 +3,7 @@
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/search/node_search.h"
+#include "world/touch/edge_faces.h"
 #include "world/touch/round_surface.h"
 
 #include <algorithm>
@@ -92,8 +93,8 @@ public:
 	PatchAnswer find( const MovingSphere& sphere, int nodeA, const Ball& ball, Touch& touch ) const
 	{
 		ContactSurface::Patch one, other;
-		const bool hasOne = m_a.surfaceNow().patchOf( m_nodesA, nodeA, one ),
-				   hasOther = m_b.surfaceNow().patchOf( m_nodesB, ball.node, other );
+		const Vec3d apart = ball.at - sphere.centre;
+		const bool hasOne = faceOf( m_a, nodeA, apart, one ), hasOther = faceOf( m_b, ball.node, -apart, other );
 		if ( hasOne && hasOther )
 		{
 			return findBoth( one, other, sphere, ball, touch );
@@ -121,6 +122,12 @@ public:
 	}
 
 private:
+	/// The patch of a node, or at edges the face in front of it.
+	static bool faceOf( const SoftBody::Impl& body, int node, const Vec3d& towards, ContactSurface::Patch& face )
+	{
+		const ContactSurface& surface = body.surfaceNow();
+		return surface.patchOf( body.body->nodes(), node, face ) || findEdgeFace( surface, *body.body, node, 0.5 * towards, face );
+	}
 	/// Tests a patch against a sphere around `at`.
 	static PatchAnswer findOn( const SoftBody::Impl& body, const ContactSurface::Patch& patch, const MovingSphere& own, const Vec3d& at,
 		double radius, Touch& touch )
@@ -221,9 +228,9 @@ std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody
 	m_hits.clear();
 	const double slack = slackOf( implA, implB );
 	// Fragments have faces that fit into each other cell by cell.
-	const bool hasPatches = slack == 0.0 && ( implA.isMetAsDrawn() || implB.isMetAsDrawn() );
+	const bool hasPatches = slack == 0.0 && ( implA.isMetAsDrawnBy( b ) || implB.isMetAsDrawnBy( a ) );
 	const PatchPairs patches( a, b ); // used only where there are patches
-	const bool isRound = slack == 0.0 && useRoundSpheres( a, b );
+	const bool isRound = !hasPatches && slack == 0.0 && useRoundSpheres( a, b );
 	double deepest = 0.0;
 	const Vec3d fromAToB = nodesA.origin - nodesB.origin; // added to a position in A's coordinates gives one in B's
 	const btVector3 shapesApart = toBt( fromAToB + ( implA.shapeShift - implB.shapeShift ).cast<double>() );

@@ -1,6 +1,7 @@
 #pragma once
 
-// Contact spheres between the surfaces of two implicit soft bodies, larger than their nodes' spheres. docs/design/contacts.md.
+// Contact spheres between two soft bodies that do not touch in their drawn surfaces, larger than their nodes' spheres.
+// docs/design/contacts.md.
 
 #include "lattice/lattice.h"
 

@@ -232,7 +232,7 @@ TEST( Automatic, TakesTheImplicitStepInStacksByTheLoadOfTheirNodes )
 	t.addFloor();
 	const auto shape = block( 6, 6, 6, 0.1f );
 	std::vector<SoftBody*> cubes;
-	for ( int k = 0; k < 4; ++k )
+	for ( int k = 0; k < 3; ++k ) // four of 3e5 Pa buckle under their own weight
 	{
 		cubes.push_back( t.addSoft( shape, at( 0, btScalar( 0.301 + 0.6 * k ), 0 ), automatic( 3e5f ) ) );
 	}

@@ -45,5 +45,30 @@ TEST( Slides, OfAnExplicitTrackFollowTheory )
 	}
 }
 
+// Nodes' spheres of two bodies interlock: a soft box came to .2 to .6 of its distance, and stood on any slope.
+TEST( Slides, OfSoftBoxesOnAnImplicitTrackFollowTheory )
+{
+	for ( const double ownCell : { 0.1, 0.06 } ) // m, on cells of .1 m
+	{
+		expectSlides( { .elasticity = Elasticity::Implicit, .cells = 5.0, .ownCell = ownCell }, { 0.0, 0.1, 0.3, 0.6 },
+			double( test::kFrame ), 0.045 );
+	}
+}
+
+TEST( Slides, BeginADegreeAboveTheAngleOfFrictionAndNotADegreeBelow )
+{
+	for ( const double ownCell : { 0.0, 0.1, 0.06 } ) // m; 0: rigid
+	{
+		for ( const double friction : { 0.1, 0.3, 0.6 } )
+		{
+			const test::SlidingBox box{ .elasticity = Elasticity::Implicit, .cells = 5.0, .friction = friction, .ownCell = ownCell };
+			const double below = test::slideOnASlope( box, -1.0 ), above = test::slideOnASlope( box, 1.0 );
+			std::printf( "own cells of %.2f m, friction %.1f: %.3f below, %.3f above\n", ownCell, friction, below, above );
+			EXPECT_LT( below, 0.05 ) << ownCell << " " << friction;
+			EXPECT_NEAR( above, 1.0, 0.35 ) << ownCell << " " << friction; // of the small difference between weight and friction
+		}
+	}
+}
+
 } // namespace
 } // namespace pliant
