@@ -47,30 +47,29 @@ void printSlopes( const char* name, test::SlidingBox box, std::initializer_list<
 	}
 }
 
+/// Calls `print` for a rigid floor, and for each kind of box on a soft track.
+template <class Print>
+void onAllTracks( const Print& print )
+{
+	const auto rigid = { 0.2, 0.5, 1.0, 2.0, 5.0 }, soft = { 2.0, 5.0 }; // cells
+	constexpr double kEqual = 0.1, kFiner = 0.06;                        // cell sizes of soft boxes, m
+	print( "rigid floor", { .isFloorRigid = true }, rigid );
+	for ( const Elasticity elasticity : { Elasticity::Implicit, Elasticity::Explicit } )
+	{
+		std::puts( elasticity == Elasticity::Implicit ? "-- implicit" : "-- explicit" );
+		print( "rigid box", { .elasticity = elasticity }, rigid );
+		print( "rigid box, levels", { .elasticity = elasticity, .coarseLevels = 1 }, rigid );
+		print( "soft box, equal cells", { .elasticity = elasticity, .ownCell = kEqual }, soft );
+		print( "soft box, smaller cells", { .elasticity = elasticity, .ownCell = kFiner }, soft );
+	}
+}
+
 } // namespace
 
 void slidesExperiment()
 {
-	const auto rigid = { 0.2, 0.5, 1.0, 2.0, 5.0 }, soft = { 2.0, 5.0 };
-	constexpr double kEqual = 0.1, kFiner = 0.06; // cell sizes of soft boxes, m
-	printSlides( "rigid floor", { .isFloorRigid = true }, rigid );
-	for ( const Elasticity elasticity : { Elasticity::Implicit, Elasticity::Explicit } )
-	{
-		std::puts( elasticity == Elasticity::Implicit ? "-- implicit" : "-- explicit" );
-		printSlides( "rigid box", { .elasticity = elasticity }, rigid );
-		printSlides( "rigid box, levels", { .elasticity = elasticity, .coarseLevels = 1 }, rigid );
-		printSlides( "soft box, equal cells", { .elasticity = elasticity, .ownCell = kEqual }, soft );
-		printSlides( "soft box, smaller cells", { .elasticity = elasticity, .ownCell = kFiner }, soft );
-	}
-	printSlopes( "rigid floor", { .isFloorRigid = true }, rigid );
-	for ( const Elasticity elasticity : { Elasticity::Implicit, Elasticity::Explicit } )
-	{
-		std::puts( elasticity == Elasticity::Implicit ? "-- implicit" : "-- explicit" );
-		printSlopes( "rigid box", { .elasticity = elasticity }, rigid );
-		printSlopes( "rigid box, levels", { .elasticity = elasticity, .coarseLevels = 1 }, rigid );
-		printSlopes( "soft box, equal cells", { .elasticity = elasticity, .ownCell = kEqual }, soft );
-		printSlopes( "soft box, smaller cells", { .elasticity = elasticity, .ownCell = kFiner }, soft );
-	}
+	onAllTracks( printSlides );
+	onAllTracks( printSlopes );
 }
 
 } // namespace pliant::experiment

@@ -31,7 +31,7 @@ public:
 	/// `farthest`: distance that the box will slide at most, m.
 	SlidingTrack( const SlidingBox& what, double farthest ) : m_half( 0.5 * what.cells * double( kCell ) )
 	{
-		t.world.setGravity( btVector3( 0, btScalar( -kFall ), 0 ) );
+		m_scene.world.setGravity( btVector3( 0, btScalar( -kFall ), 0 ) );
 		btCollisionObject* const floor = what.isFloorRigid ? addFloor() : addTrack( what, farthest );
 		btCollisionObject* const box = what.ownCell > 0.0 ? addSoftBox( what ) : addRigidBox();
 		for ( btCollisionObject* const object : { floor, box } )
@@ -45,7 +45,12 @@ public:
 	void setSpeed( double speed )
 	{
 		const btVector3 velocity( btScalar( speed ), 0, 0 );
-		m_rigid ? m_rigid->setLinearVelocity( velocity ) : void( m_soft->setVelocities( velocity, btVector3( 0, 0, 0 ) ) );
+		if ( m_rigid )
+		{
+			m_rigid->setLinearVelocity( velocity );
+			return;
+		}
+		static_cast<void>( m_soft->setVelocities( velocity, btVector3( 0, 0, 0 ) ) );
 	}
 
 	double position() const { return double( m_rigid ? m_rigid->getWorldTransform().getOrigin().x() : m_soft->massCentre().x() ); }
@@ -53,21 +58,21 @@ public:
 	/// Tilts the track by `angle`, rad, downwards in the direction of motion.
 	void tilt( double angle )
 	{
-		t.world.setGravity( btVector3( btScalar( kFall * std::sin( angle ) ), btScalar( -kFall * std::cos( angle ) ), 0 ) );
+		m_scene.world.setGravity( btVector3( btScalar( kFall * std::sin( angle ) ), btScalar( -kFall * std::cos( angle ) ), 0 ) );
 	}
 
 	void run( double seconds )
 	{
 		for ( int frame = 0; frame < int( 60.0 * seconds ); ++frame )
 		{
-			t.world.stepSimulation( btScalar( 1 ) / 60, 0 );
+			m_scene.world.stepSimulation( btScalar( 1 ) / 60, 0 );
 		}
 	}
 
 private:
 	static constexpr float kCell = 0.1f;
 
-	btCollisionObject* addFloor() { return t.add( 0, new btBoxShape( btVector3( 20, 1, 20 ) ), btVector3( 10, -1, 0 ) ); }
+	btCollisionObject* addFloor() { return m_scene.add( 0, new btBoxShape( btVector3( 20, 1, 20 ) ), btVector3( 10, -1, 0 ) ); }
 
 	btCollisionObject* addTrack( const SlidingBox& what, double farthest )
 	{
@@ -80,12 +85,15 @@ private:
 		levels.coarseLevels = what.coarseLevels;
 		Material material = explicitMaterial( 5e5f );
 		material.elasticity = what.elasticity;
-		SoftBody* const track = t.add(
+		SoftBody* const track = m_scene.add(
 			BodyTemplate::build( makeBox( { 0, -0.3f, -width }, { length, 0, width }, 6 ).view(), settings ).value, btVector3( 0, 0, 0 ),
 			material, btQuaternion::getIdentity(), levels );
 		for ( int node = 0; node < track->nodeCount(); ++node )
 		{
-			track->nodePosition( node ).y() < btScalar( -0.15 ) ? void( track->pinNode( node ) ) : void();
+			if ( track->nodePosition( node ).y() < btScalar( -0.15 ) )
+			{
+				static_cast<void>( track->pinNode( node ) );
+			}
 		}
 		return track;
 	}
@@ -93,7 +101,7 @@ private:
 	btCollisionObject* addRigidBox()
 	{
 		const btVector3 halves( btScalar( m_half ), btScalar( 0.7 * m_half ), btScalar( m_half ) );
-		m_rigid = t.add( btScalar( 300.0 * 0.7 * 8.0 * m_half * m_half * m_half ), new btBoxShape( halves ), start() );
+		m_rigid = m_scene.add( btScalar( 300.0 * 0.7 * 8.0 * m_half * m_half * m_half ), new btBoxShape( halves ), start() );
 		return m_rigid;
 	}
 
@@ -105,7 +113,7 @@ private:
 		material.elasticity = what.elasticity;
 		material.density = 300.0f;
 		const auto half = float( m_half );
-		m_soft = t.add(
+		m_soft = m_scene.add(
 			BodyTemplate::build( makeBox( { -half, -0.7f * half, -half }, { half, 0.7f * half, half }, 6 ).view(), settings ).value,
 			start(), material );
 		return m_soft;
@@ -113,7 +121,7 @@ private:
 
 	btVector3 start() const { return btVector3( btScalar( 0.3 + m_half ), btScalar( 0.7 * m_half + 0.002 ), 0 ); }
 
-	SoftWorld t;
+	SoftWorld m_scene;
 	double m_half;
 	btRigidBody* m_rigid = nullptr;
 	SoftBody* m_soft = nullptr;

@@ -10,19 +10,24 @@ namespace pliant {
 
 namespace {
 
+bool hasPatches( const SoftBody::Impl& impl )
+{
+	return !impl.body->lattice().patch.empty() && impl.surfaceNow().hasPatches();
+}
+
 /// Fragments, whose faces fit into each other cell by cell, touch each other in their nodes' spheres; so do bodies that step explicitly,
 /// since stacks of them would not come to rest on plane faces.
-bool isWhole( const SoftBody::Impl& impl )
+bool areMetAsDrawn( const SoftBody::Impl& a, const SoftBody::Impl& b )
 {
-	return impl.isImplicit && !impl.body->levels() && !impl.family && impl.fractureVersion == 0 && !impl.body->lattice().patch.empty() &&
-		impl.surfaceNow().hasPatches();
+	const auto isOne = []( const SoftBody::Impl& impl ) { return impl.isImplicit && impl.isWhole() && hasPatches( impl ); };
+	return &a != &b && isOne( a ) && isOne( b );
 }
 
 } // namespace
 
 bool SoftBody::Impl::isMetAsDrawn() const
 {
-	return bodyTemplate->settings().contactSurface && !body->lattice().patch.empty() && surfaceNow().hasPatches();
+	return bodyTemplate->settings().contactSurface && hasPatches( *this );
 }
 
 bool SoftBody::Impl::isMetAsDrawnBy( const btCollisionObject& other ) const
@@ -33,20 +38,13 @@ bool SoftBody::Impl::isMetAsDrawnBy( const btCollisionObject& other ) const
 	}
 	const SoftBody* const owner = ownerOfContactProxy( &other );
 	const SoftBody* const soft = owner ? owner : SoftBody::upcast( &other );
-	if ( soft && &soft->impl() != this && isWhole( *this ) && isWhole( soft->impl() ) )
+	if ( soft || ownerOfRigidProxy( &other ) )
 	{
-		return true;
+		return isMetAsDrawn() || ( soft && areMetAsDrawn( *this, soft->impl() ) );
 	}
-	if ( soft || ownerOfRigidProxy( &other ) || body->levels() || body->lattice().patch.empty() )
-	{
-		return isMetAsDrawn();
-	}
-	if ( !other.isStaticOrKinematicObject() || bodyTemplate->settings().contactSurface )
-	{
-		return surfaceNow().hasPatches();
-	}
-	return double( largestExtent( *other.getCollisionShape() ) ) < kSmallThing * double( body->lattice().cellSize ) &&
-		surfaceNow().hasPatches();
+	const bool meetsIt = bodyTemplate->settings().contactSurface || !other.isStaticOrKinematicObject() ||
+		double( largestExtent( *other.getCollisionShape() ) ) < kSmallThing * double( body->lattice().cellSize );
+	return meetsIt && hasPatches( *this );
 }
 
 } // namespace pliant

@@ -274,8 +274,10 @@ struct SoftBody::Impl
 	/// contacts that are shared by several nodes; a body that steps explicitly takes part with its masses alone.
 	bool isMetAsDrawn() const;
 	/// The same for contacts with one object: all bodies show rigid ones that move or are small their drawn surface, which would fall into
-	/// the gaps between nodes' spheres, and whole soft ones, whose spheres would interlock.
+	/// the gaps between nodes' spheres, and whole implicit bodies show it to each other, since their spheres would interlock.
 	bool isMetAsDrawnBy( const btCollisionObject& other ) const;
+	/// True for a body without levels that has never broken.
+	bool isWhole() const { return !body->levels() && !family && fractureVersion == 0; }
 	/// How far the patches lie in front of the nodes' spheres at most, m.
 	double overhang() const { return body->levels() ? 0.0 : double( body->lattice().overhang ); }
 	/// Whether a force field of its world is being called, which may not change the body. `checkTime` returns a refusal then.

@@ -17,8 +17,7 @@ bool useRoundSpheres( const SoftBody& a, const SoftBody& b )
 	const auto isRound = []( const SoftBody& body ) {
 		const SoftBody::Impl& impl = body.impl();
 		// Fragments have faces that fit into each other cell by cell.
-		return !body.isStaticOrKinematicObject() && !impl.body->levels() && !impl.family && impl.fractureVersion == 0 &&
-			!impl.isMetAsDrawn();
+		return !body.isStaticOrKinematicObject() && impl.isWhole() && !impl.isMetAsDrawn();
 	};
 	return &a != &b && isRound( a ) && isRound( b );
 }

@@ -45,7 +45,7 @@ TEST( Slides, OfAnExplicitTrackFollowTheory )
 	}
 }
 
-// Nodes' spheres of two bodies interlock: a soft box came to .2 to .6 of its distance, and stood on any slope.
+// Nodes' spheres of two bodies interlock: a soft box came to .2 to .8 of its distance, and stood on any slope.
 TEST( Slides, OfSoftBoxesOnAnImplicitTrackFollowTheory )
 {
 	for ( const double ownCell : { 0.1, 0.06 } ) // m, on cells of .1 m

@@ -52,7 +52,7 @@ typedef struct pliant_lattice_settings
 	int32_t shell;            ///< PLIANT_SHELL_...
 	float shell_thickness;    ///< m, 0 to 1e7; 0, the default: a cell
 	int32_t skinning;         ///< PLIANT_SKINNING_...
-	int32_t contact_surface;  ///< flag: all objects collide with the drawn surface. Default 0: rigid ones that move.
+	int32_t contact_surface;  ///< flag: all objects collide with the drawn surface. Default 0: as in C++.
 	int32_t crack_faces;      ///< 0: exact, the default; 1: marching squares; 2: bricks
 	float noise_amplitude;    ///< of crack faces, cells, 0 to 0.35. Default 0.3.
 	float noise_wavelength;   ///< cells, 1 to 100. Default 1.6.
