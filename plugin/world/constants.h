@@ -91,6 +91,8 @@ inline constexpr double kPatchHalfWidth = 0.9;
 inline constexpr double kFlatRadius = 7.5;
 /// One with a larger radius than this, cells, is a plane: just below kMaxPatchRadius.
 inline constexpr double kPlaneRadius = 60.0;
+/// A node whose distance from the centre of a patch's sphere is below this fraction of its radius has the normal of the patch itself.
+inline constexpr double kLeastCentreDistance = 0.01;
 /// An obstacle's point nearest to a plane is sought from so far behind it, cells: from farther all nodes around a slightly tilted box find
 /// its lowest edge, and none supports the others; from nearer they miss what is lowest between them, here by .01 cells at most.
 inline constexpr double kPlaneDepth = 8.0;

@@ -5,6 +5,7 @@
 #include "support/small_things.h"
 
 #include <cstdio>
+#include <utility>
 
 namespace pliant::experiment {
 
@@ -13,15 +14,13 @@ void thingsExperiment( int count )
 	std::puts( "block     step       thrown   sunk   lost   deepest, sizes   sick blocks" );
 	for ( const Elasticity elasticity : { Elasticity::Implicit, Elasticity::Explicit } )
 	{
-		for ( const test::Struck kind : { test::Struck::Whole, test::Struck::Loaded, test::Struck::Cracked } )
+		static const std::pair<test::Struck, const char*> kKinds[] = { { test::Struck::Whole, "whole" }, { test::Struck::Loaded, "loaded" },
+			{ test::Struck::Cracked, "cracked" }, { test::Struck::Coarse, "coarse" }, { test::Struck::Refining, "refining" } };
+		for ( const auto& [kind, name] : kKinds )
 		{
 			const test::ThrownThings tally = test::throwThings( kind, elasticity, count, 1 );
-			std::printf( "%-8s  %-8s  %7d  %5d  %5d  %15.2f  %12d\n",
-				kind == test::Struck::Whole        ? "whole"
-					: kind == test::Struck::Loaded ? "loaded"
-												   : "cracked",
-				elasticity == Elasticity::Implicit ? "implicit" : "explicit", tally.thrown, tally.sunk, tally.lost, tally.deepest,
-				tally.sick );
+			std::printf( "%-8s  %-8s  %7d  %5d  %5d  %15.2f  %12d\n", name, elasticity == Elasticity::Implicit ? "implicit" : "explicit",
+				tally.thrown, tally.sunk, tally.lost, tally.deepest, tally.sick );
 		}
 	}
 }

@@ -20,6 +20,7 @@ struct SlidingBox
 	bool isFloorRigid = false;                    ///< on a rigid box instead
 	double ownCell = 0.0;                         ///< cell size of a soft box, m; 0: a rigid box
 	int coarseLevels = 0;                         ///< of the track
+	bool refines = false;                         ///< the track, where the box touches it: borders of levels move with the box
 };
 
 /// One such box, which has come to rest at the beginning of a track.
@@ -78,19 +79,22 @@ private:
 	{
 		constexpr double kMostLength = 12.0; // m
 		const auto length = float( std::min( farthest + 4.0 * m_half + 1.0, kMostLength ) );
-		const auto width = float( std::max( 0.2, 1.5 * m_half ) );
+		const auto width = float( std::max( { 0.2, 1.5 * m_half, std::ldexp( double( kCell ), what.coarseLevels ) } ) );
 		LatticeSettings settings;
 		settings.cellSize = kCell;
 		Adaptivity levels;
 		levels.coarseLevels = what.coarseLevels;
+		levels.refinesOnContact = what.refines;
+		// Two rows and two layers of the coarsest nodes, of which the lower one is pinned.
+		const float depth = what.coarseLevels > 0 ? std::ldexp( 2.0f * kCell, what.coarseLevels ) : 3.0f * kCell;
 		Material material = explicitMaterial( 5e5f );
 		material.elasticity = what.elasticity;
 		SoftBody* const track = m_scene.add(
-			BodyTemplate::build( makeBox( { 0, -0.3f, -width }, { length, 0, width }, 6 ).view(), settings ).value, btVector3( 0, 0, 0 ),
+			BodyTemplate::build( makeBox( { 0, -depth, -width }, { length, 0, width }, 6 ).view(), settings ).value, btVector3( 0, 0, 0 ),
 			material, btQuaternion::getIdentity(), levels );
 		for ( int node = 0; node < track->nodeCount(); ++node )
 		{
-			if ( track->nodePosition( node ).y() < btScalar( -0.15 ) )
+			if ( track->nodePosition( node ).y() < -0.5f * depth )
 			{
 				static_cast<void>( track->pinNode( node ) );
 			}

@@ -20,7 +20,9 @@ enum class Struck : int
 {
 	Whole,
 	Loaded,
-	Cracked
+	Cracked,
+	Coarse,  ///< on two levels
+	Refining ///< on two levels, and refined where something touches
 };
 
 struct ThrownThings
@@ -45,7 +47,10 @@ public:
 		material.elasticity = elasticity;
 		static const std::shared_ptr<const BodyTemplate> shape =
 			BodyTemplate::build( makeBox( { -0.6, -0.25, -0.6 }, { 0.6, 0.25, 0.6 }, 6 ).view(), settings ).value;
-		m_soft = SoftBody::create( shape, at( 0, btScalar( 0.25 ), 0 ), material ).value;
+		Adaptivity levels;
+		levels.coarseLevels = kind == Struck::Coarse || kind == Struck::Refining ? 2 : 0;
+		levels.refinesOnContact = kind == Struck::Refining;
+		m_soft = SoftBody::create( shape, at( 0, btScalar( 0.25 ), 0 ), material, levels ).value;
 		m_world.world.addSoftBody( m_soft.get() );
 		m_world.addFloor();
 		if ( kind == Struck::Loaded )

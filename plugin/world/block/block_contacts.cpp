@@ -203,6 +203,19 @@ void setTarget(
 	}
 }
 
+/// Pinned nodes share a contact, but not its impulses: they have their velocities prescribed.
+void fixPinned( ContactSide& side, const ContactProxy* node, const Vec3d& normal )
+{
+	if ( side.soft < 0 || side.shared.count <= 1 )
+	{
+		return;
+	}
+	const NodeState& nodes = node->owner->impl().body->nodes();
+	side.prescribedVelocity += side.shared.remove(
+		normal, [&nodes]( int other ) { return nodes.freedom[other] == 0.0f; },
+		[&nodes]( int other ) { return Vec3d( nodes.v.get( other ).cast<double>() ); } );
+}
+
 } // namespace
 
 void BlockContacts::gather( const std::vector<btPersistentManifold*>& manifolds, const btContactSolverInfo& info, BlockLookup& lookup,
@@ -260,6 +273,7 @@ void BlockContacts::gatherFrom(
 			const Vec3d touches = toVec3d( side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB() );
 			contact.side[side] = sideOf( *objects[side], block, lookup, nodes[0] || nodes[1] ? position : touches );
 			contact.side[side].shared = nodes[side] ? shared[side] : SharedNodes{};
+			fixPinned( contact.side[side], nodes[side], contact.normal );
 		}
 		contact.side[1].prescribedVelocity += surfaceVelocity( point, info );
 		if ( !contact.moves() )

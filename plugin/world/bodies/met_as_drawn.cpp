@@ -1,10 +1,13 @@
 // Which contacts meet the drawn surface of a body, and which its nodes' spheres.
 
+#include "body/levels/levels.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/rigid/rigid_proxy.h"
 #include "world/shape/contact_proxy.h"
 #include "world/touch/edge_constants.h"
 #include "world/touch/node_touch.h"
+
+#include <cmath>
 
 namespace pliant {
 
@@ -42,8 +45,9 @@ bool SoftBody::Impl::isMetAsDrawnBy( const btCollisionObject& other ) const
 	{
 		return isMetAsDrawn() || ( soft && areMetAsDrawn( *this, soft->impl() ) );
 	}
+	const int levels = body->levels() ? body->levels()->settings().coarseLevels : 0;
 	const bool meetsIt = bodyTemplate->settings().contactSurface || !other.isStaticOrKinematicObject() ||
-		double( largestExtent( *other.getCollisionShape() ) ) < kSmallThing * double( body->lattice().cellSize );
+		double( largestExtent( *other.getCollisionShape() ) ) < kSmallThing * std::ldexp( double( body->lattice().cellSize ), levels );
 	return meetsIt && hasPatches( *this );
 }
 

@@ -267,7 +267,7 @@ struct SoftBody::Impl
 	/// Returns the contact surface of the current lattice.
 	const ContactSurface& surfaceNow() const
 	{
-		contactSurface.follow( *body, numbering + fractureVersion );
+		contactSurface.follow( *body, numbering, fractureVersion );
 		return contactSurface;
 	}
 	/// Returns true if contacts with all objects use patches of the drawn surface. The block solver solves them, since Bullet's has no

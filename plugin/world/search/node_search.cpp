@@ -146,7 +146,7 @@ inline Ahead NodeSearch::Spheres::ahead( int node ) const
 
 double NodeSearch::overhang() const
 {
-	return m_surface ? double( m_soft->impl().body->lattice().overhang ) : 0.0;
+	return m_surface ? m_surface->overhang() : 0.0;
 }
 
 // Tests the patch in front of a node, or the node's own sphere where the patch does not face the obstacle.
@@ -154,9 +154,11 @@ template <class Nearest, class Find>
 inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nearest& nearest, const Find& find, Touch& touch ) const
 {
 	ContactSurface::Patch patch;
-	if ( m_surface && m_surface->patchOf( m_soft->impl().body->nodes(), node, patch ) )
+	Touch there;
+	if ( m_surface && ( !m_surface->levels() || nearest( sphere, there ) ) &&
+		m_surface->patchOf( m_soft->impl().body->nodes(), node, -there.distance * there.normal, m_patchObstacle.isSmall, patch ) )
 	{
-		const PatchAnswer answer = findPatchTouch( patch, m_surface->cellSize(), m_patchObstacle, sphere, nearest, find, touch );
+		const PatchAnswer answer = findPatchTouch( patch, m_surface->sizeOf( node ), m_patchObstacle, sphere, nearest, find, touch );
 		if ( answer != PatchAnswer::UseSphere )
 		{
 			return answer == PatchAnswer::Touches;
@@ -188,7 +190,7 @@ PatchAnswer touchEdge( const SoftBody& soft, PatchObstacle obstacle, int node, c
 	{
 		return PatchAnswer::UseSphere;
 	}
-	return findPatchTouch( face, surface.cellSize(), obstacle, sphere, nearest, find, touch );
+	return findPatchTouch( face, surface.sizeOf( node ), obstacle, sphere, nearest, find, touch );
 }
 
 } // namespace
@@ -303,8 +305,14 @@ void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Fin
 		noteNearby( node, size );
 		Touch touch;
 		const MovingSphere sphere = spheres.of( node );
-		const PatchAnswer edge = m_patchObstacle.isSmall ? touchEdge( *m_soft, m_patchObstacle, node, sphere, nearest, find, touch )
-														 : PatchAnswer::UseSphere;
+		const bool hasLevels = m_surface && m_surface->levels();
+		if ( hasLevels )
+		{
+			m_patchObstacle = PatchObstacle::of( *obstacle.shape, double( size ) / m_surface->sizeOf( node ) );
+		}
+		const PatchAnswer edge = m_patchObstacle.isSmall && !hasLevels
+			? touchEdge( *m_soft, m_patchObstacle, node, sphere, nearest, find, touch )
+			: PatchAnswer::UseSphere;
 		if ( ( edge == PatchAnswer::UseSphere ? touches( node, sphere, nearest, find, touch ) : edge == PatchAnswer::Touches ) &&
 			( !looksAhead || touch.reach >= 0.0 || lookAhead( then, sphere, spheres.ahead( node ), touch ) ) )
 		{
@@ -323,11 +331,9 @@ void NodeSearch::solid( const Obstacle& obstacle )
 	const btScalar size = largestExtent( *obstacle.shape );
 	box.stretchAlong( toBt( m_step * m_motion.linear ) );
 	// A small object is met by all nodes around it, each at its own point, so that it lies on several.
-	m_patchObstacle.isSmall = m_surface && double( size ) < kEdgeThing * m_surface->cellSize();
-	const int type = obstacle.shape->getShapeType();
-	m_patchObstacle.isRound = m_patchObstacle.isSmall ? type == SPHERE_SHAPE_PROXYTYPE : !obstacle.shape->isPolyhedral();
-	m_patchObstacle.rounding = type == CAPSULE_SHAPE_PROXYTYPE ? double( obstacle.shape->getMargin() ) : 0.0;
-	box.widen( overhang() + ( m_patchObstacle.isSmall ? kSmallReach * m_surface->cellSize() : 0.0 ) );
+	const double cell = m_surface ? m_surface->largestSize() : 0.0;
+	m_patchObstacle = PatchObstacle::of( *obstacle.shape, m_surface ? double( size ) / cell : kEdgeThing );
+	box.widen( overhang() + ( m_patchObstacle.isSmall ? kSmallReach * cell : 0.0 ) );
 	const btScalar turn = btScalar( m_step * m_motion.angular.norm() * ( obstacle.position - m_motion.centre ).norm() ) +
 		btScalar( m_step * m_motion.angular.norm() ) * ( box.high - box.low ).length() / 2;
 	box.move( btVector3( -turn, -turn, -turn ), btVector3( turn, turn, turn ) );

@@ -83,12 +83,13 @@ struct Ball
 class PatchPairs
 {
 public:
-	PatchPairs( const SoftBody& a, const SoftBody& b ) :
-		m_nodesA( a.impl().body->nodes() ), m_nodesB( b.impl().body->nodes() ), m_a( a.impl() ), m_b( b.impl() ),
-		m_cell( std::max( double( a.bodyTemplate().cellSize() ), double( b.bodyTemplate().cellSize() ) ) )
-	{}
+	PatchPairs( const SoftBody& a, const SoftBody& b ) : m_a( a.impl() ), m_b( b.impl() ) {}
 	/// Largest gap between the own spheres of two nodes whose patches touch, m.
-	btScalar margin() const { return btScalar( kPatchPairMargin * m_cell + m_a.overhang() + m_b.overhang() ); }
+	btScalar margin() const
+	{
+		const ContactSurface &one = m_a.surfaceNow(), &other = m_b.surfaceNow();
+		return btScalar( kPatchPairMargin * std::max( one.largestSize(), other.largestSize() ) + one.overhang() + other.overhang() );
+	}
 
 	PatchAnswer find( const MovingSphere& sphere, int nodeA, const Ball& ball, Touch& touch ) const
 	{
@@ -97,11 +98,12 @@ public:
 		const bool hasOne = faceOf( m_a, nodeA, apart, one ), hasOther = faceOf( m_b, ball.node, -apart, other );
 		if ( hasOne && hasOther )
 		{
-			return findBoth( one, other, sphere, ball, touch );
+			const double cell = std::max( m_a.surfaceNow().sizeOf( nodeA ), m_b.surfaceNow().sizeOf( ball.node ) );
+			return findBoth( one, other, cell, sphere, ball, touch );
 		}
 		if ( hasOne )
 		{
-			return findOn( m_a, one, sphere, ball.at, ball.radius, touch );
+			return findOn( m_a, nodeA, one, sphere, ball.at, ball.radius, touch );
 		}
 		if ( !hasOther )
 		{
@@ -113,7 +115,7 @@ public:
 		second.displacement = -sphere.displacement;
 		second.radius = ball.radius;
 		second.shape = sphere.shape;
-		const PatchAnswer answer = findOn( m_b, other, second, sphere.centre, sphere.radius, touch );
+		const PatchAnswer answer = findOn( m_b, ball.node, other, second, sphere.centre, sphere.radius, touch );
 		if ( answer == PatchAnswer::Touches )
 		{
 			touch = fromSecond( touch, second, sphere );
@@ -126,14 +128,15 @@ private:
 	static bool faceOf( const SoftBody::Impl& body, int node, const Vec3d& towards, ContactSurface::Patch& face )
 	{
 		const ContactSurface& surface = body.surfaceNow();
-		return surface.patchOf( body.body->nodes(), node, face ) || findEdgeFace( surface, *body.body, node, 0.5 * towards, face );
+		return surface.patchOf( body.body->nodes(), node, 0.5 * towards, true, face ) ||
+			( !surface.levels() && findEdgeFace( surface, *body.body, node, 0.5 * towards, face ) );
 	}
 	/// Tests a patch against a sphere around `at`.
-	static PatchAnswer findOn( const SoftBody::Impl& body, const ContactSurface::Patch& patch, const MovingSphere& own, const Vec3d& at,
-		double radius, Touch& touch )
+	static PatchAnswer findOn( const SoftBody::Impl& body, int node, const ContactSurface::Patch& patch, const MovingSphere& own,
+		const Vec3d& at, double radius, Touch& touch )
 	{
 		return findPatchTouch(
-			patch, body.surfaceNow().cellSize(), PatchObstacle{ .isSmall = true, .isRound = true }, own,
+			patch, body.surfaceNow().sizeOf( node ), PatchObstacle{ .isSmall = true, .isRound = true }, own,
 			[&]( const MovingSphere& now, Touch& found ) { return findNearest( radius, at, now, found ); },
 			[&]( const MovingSphere& now, Touch& found ) { return findBallTouch( radius, at, now, found ); }, touch );
 	}
@@ -151,11 +154,11 @@ private:
 	}
 	/// Tests two patches. Only nodes that face each other are paired: no point of a grid is farther than .71 of its step from the nearest
 	/// grid point. Flat faces meet along the mean of their normals, each node on its own line; as the large spheres that represent them
-	/// they would roll on each other.
-	PatchAnswer findBoth( const ContactSurface::Patch& one, const ContactSurface::Patch& other, const MovingSphere& sphere,
-		const Ball& ball, Touch& touch ) const
+	/// they would roll on each other. `cell`: the larger of the nodes' sizes, m.
+	static PatchAnswer findBoth( const ContactSurface::Patch& one, const ContactSurface::Patch& other, double cell,
+		const MovingSphere& sphere, const Ball& ball, Touch& touch )
 	{
-		const bool isFlat = one.isFlat( m_cell ), isOtherFlat = other.isFlat( m_cell );
+		const bool isFlat = one.isFlat( cell ), isOtherFlat = other.isFlat( cell );
 		const double inwards = isFlat ? 0.0 : one.radius - one.height, otherInwards = isOtherFlat ? 0.0 : other.radius - other.height;
 		const Vec3d centre = sphere.centre - inwards * one.normal, otherCentre = ball.at - otherInwards * other.normal;
 		const Vec3d apart = isFlat && isOtherFlat ? Vec3d( other.normal - one.normal )
@@ -179,11 +182,11 @@ private:
 		const double gap = between.dot( touch.normal );
 		const Vec3d aside = at - at.dot( touch.normal ) * touch.normal;
 		const Vec3d lines = sphere.centre - ball.at;
-		if ( gap < -kPatchDepth * m_cell )
+		if ( gap < -std::max( one.depth, other.depth ) )
 		{
 			return PatchAnswer::UseSphere;
 		}
-		if ( ( lines - lines.dot( touch.normal ) * touch.normal ).norm() > kPatchPairDistance * m_cell )
+		if ( ( lines - lines.dot( touch.normal ) * touch.normal ).norm() > kPatchPairDistance * cell )
 		{
 			return PatchAnswer::Clear;
 		}
@@ -199,9 +202,7 @@ private:
 		return PatchAnswer::UseSphere;
 	}
 
-	const NodeState &m_nodesA, &m_nodesB;
 	const SoftBody::Impl &m_a, &m_b;
-	double m_cell;
 };
 
 /// Replaces both nodes' spheres by the round spheres of their faces.

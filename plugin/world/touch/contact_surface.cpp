@@ -16,30 +16,37 @@ struct ContactSurface::Axes
 	int count = 0;
 };
 
-void ContactSurface::follow( const Body& body, unsigned version )
+void ContactSurface::follow( const Body& body, unsigned numbering, unsigned links )
 {
 	const Lattice& lattice = body.lattice();
-	if ( m_lattice == &lattice && m_version == version && m_links == lattice.linkTo.size() )
+	const bool sameCells = m_lattice == &lattice && m_linkVersion == links && m_links == lattice.linkTo.size();
+	if ( sameCells && m_numbering == numbering )
 	{
 		return;
 	}
-	m_lattice = &lattice;
-	m_version = version;
-	m_links = lattice.linkTo.size();
-	m_cellSize = double( lattice.cellSize );
-	m_hasPatches = false;
-	m_neighbours.clear();
-	m_patch.clear();
-	if ( body.levels() )
+	m_numbering = numbering;
+	if ( !sameCells || !body.levels() )
 	{
+		m_lattice = &lattice;
+		m_linkVersion = links;
+		m_links = lattice.linkTo.size();
+		m_cellSize = double( lattice.cellSize );
+		m_patch.clear();
+		m_neighbours = findAxisNeighbours( lattice );
+		followCracks();
+		m_hasPatches = std::any_of( patches().begin(), patches().end(), []( const ContactPatch& patch ) { return patch.radius > 0.0f; } );
+	}
+	if ( !body.levels() || !m_hasPatches )
+	{
+		m_levels.reset();
+		if ( body.levels() )
+		{
+			m_neighbours.clear(); // cells are no nodes
+		}
 		return;
 	}
-	m_neighbours = findAxisNeighbours( lattice );
-	followCracks();
-	for ( const ContactPatch& patch : patches() )
-	{
-		m_hasPatches = m_hasPatches || patch.radius > 0.0f;
-	}
+	m_levels = m_levels ? std::move( m_levels ) : std::make_unique<LevelFaces>();
+	m_levels->build( lattice, *body.levels(), patches(), m_neighbours );
 }
 
 // A crack leaves the drawn surface in front of its cells as it was. Cells from inside, of which it has opened one side, have a flat face
@@ -74,6 +81,37 @@ void ContactSurface::followCracks()
 
 // With the steps between neighbours on both sides as columns, D0 at rest and D now, F = D D0^-1. The surface normal transforms with the
 // inverse transpose of F, which is D^-T D0^T, and D^-T is the cofactor matrix of D up to a factor.
+bool ContactSurface::stepsAt( const NodeState& nodes, int node, Steps& steps ) const
+{
+	const std::array<std::int32_t, 6>& beside = neighbours()[std::size_t( node )];
+	int missing = -1;
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		const int low = beside[std::size_t( 2 * axis )], high = beside[std::size_t( 2 * axis + 1 )];
+		if ( low < 0 && high < 0 )
+		{
+			if ( !m_levels || missing >= 0 )
+			{
+				return false;
+			}
+			missing = axis; // a layer of one coarse node has thick parts too
+			continue;
+		}
+		const int from = low < 0 ? node : low, to = high < 0 ? node : high;
+		steps.before.col( axis ) = ( restCentre( to ) - restCentre( from ) ).cast<double>();
+		steps.now.col( axis ) = ( nodes.x.get( to ) - nodes.x.get( from ) ).cast<double>();
+	}
+	if ( missing >= 0 )
+	{
+		const int next = ( missing + 1 ) % 3, last = ( missing + 2 ) % 3;
+		steps.before.col( missing ) = steps.before.col( next ).cross( steps.before.col( last ) ).normalized();
+		steps.now.col( missing ) = steps.now.col( next ).cross( steps.now.col( last ) ).normalized();
+	}
+	const Eigen::Matrix3d& now = steps.now;
+	steps.cofactors << now.col( 1 ).cross( now.col( 2 ) ), now.col( 2 ).cross( now.col( 0 ) ), now.col( 0 ).cross( now.col( 1 ) );
+	return now.col( 0 ).dot( steps.cofactors.col( 0 ) ) > kLeastPatchVolume * steps.before.determinant();
+}
+
 bool ContactSurface::patchOf( const NodeState& nodes, int node, Patch& patch ) const
 {
 	if ( m_neighbours.empty() || patches().empty() )
@@ -81,58 +119,74 @@ bool ContactSurface::patchOf( const NodeState& nodes, int node, Patch& patch ) c
 		return false;
 	}
 	const ContactPatch& rest = patches()[std::size_t( node )];
-	if ( !( rest.radius > 0.0f ) )
+	Steps steps;
+	if ( !( rest.radius > 0.0f ) || !stepsAt( nodes, node, steps ) )
 	{
 		return false;
 	}
-	Eigen::Matrix3d before, now;
-	for ( int axis = 0; axis < 3; ++axis )
-	{
-		const std::array<std::int32_t, 6>& beside = m_neighbours[std::size_t( node )];
-		const int low = beside[std::size_t( 2 * axis )], high = beside[std::size_t( 2 * axis + 1 )];
-		if ( low < 0 && high < 0 )
-		{
-			return false;
-		}
-		const int from = low < 0 ? node : low, to = high < 0 ? node : high;
-		before.col( axis ) = ( m_lattice->restCentre[std::size_t( to )] - m_lattice->restCentre[std::size_t( from )] ).cast<double>();
-		now.col( axis ) = ( nodes.x.get( to ) - nodes.x.get( from ) ).cast<double>();
-	}
-	Eigen::Matrix3d cofactors;
-	cofactors << now.col( 1 ).cross( now.col( 2 ) ), now.col( 2 ).cross( now.col( 0 ) ), now.col( 0 ).cross( now.col( 1 ) );
-	const Vec3d normal = cofactors * ( before.transpose() * rest.normal.cast<double>() );
+	const Vec3d normal = steps.cofactors * ( steps.before.transpose() * rest.normal.cast<double>() );
 	const double length = normal.norm();
-	if ( !( now.col( 0 ).dot( cofactors.col( 0 ) ) > kLeastPatchVolume * before.determinant() ) || !( length > 0.0 ) )
+	patch = Patch{ normal / length, double( rest.height ), double( rest.radius ), kPatchDepth * m_cellSize };
+	return length > 0.0;
+}
+
+bool ContactSurface::patchOf( const NodeState& nodes, int node, const Vec3d& towards, bool withEdges, Patch& patch ) const
+{
+	if ( !m_levels )
+	{
+		return patchOf( nodes, node, patch );
+	}
+	Steps steps;
+	if ( !m_levels->hasFaces( node ) || !stepsAt( nodes, node, steps ) )
 	{
 		return false;
 	}
-	patch = Patch{ normal / length, double( rest.height ), double( rest.radius ) };
-	return true;
+	const Vec3d at = steps.before * steps.now.inverse() * towards; // F^-1 towards
+	const LevelFaces::Face* const face = m_levels->nearestFace( node, at );
+	return face && ( face->isOwn || withEdges ) && patchOfFace( *face, steps, patch );
+}
+
+// The cell's sphere has its centre at c = F f - R n, f the foot. On the line through the node's centre and c, d = |c|, its surface has the
+// height R - d. A plane has the height n.F f on its normal.
+bool ContactSurface::patchOfFace( const LevelFaces::Face& face, const Steps& steps, Patch& patch ) const
+{
+	const Vec3d normal = ( steps.cofactors * ( steps.before.transpose() * face.normal.cast<double>() ) ).normalized();
+	const Vec3d foot = steps.now * steps.before.inverse() * face.foot.cast<double>();
+	const double radius = double( face.radius );
+	patch = Patch{ normal, normal.dot( foot ), radius, kPatchDepth * m_cellSize };
+	const Vec3d fromCentre = radius * normal - foot;
+	const double distance = fromCentre.norm();
+	if ( radius <= kPlaneRadius * m_cellSize && distance < radius && distance > kLeastCentreDistance * radius )
+	{
+		patch.normal = fromCentre / distance;
+		patch.height = radius - distance;
+	}
+	return patch.height > 0.0;
 }
 
 double ContactSurface::rollingRadius( const NodeState& nodes, int node, const Vec3d& outwards ) const
 {
 	Patch patch;
-	if ( !m_hasPatches || !patchOf( nodes, node, patch ) )
+	if ( !m_hasPatches || !patchOf( nodes, node, 0.5 * sizeOf( node ) * outwards, false, patch ) )
 	{
 		return 0.0;
 	}
 	const double cosine = patch.normal.dot( outwards ), sine = std::sqrt( std::max( 0.0, 1.0 - cosine * cosine ) );
 	const double aside = ( patch.radius - patch.height ) * sine;
-	return sine > kFlatSine && cosine > kLeastContactCosine && aside < kPatchHalfWidth * m_cellSize ? patch.radius : 0.0;
+	return sine > kFlatSine && cosine > kLeastContactCosine && aside < kPatchHalfWidth * sizeOf( node ) ? patch.radius : 0.0;
 }
 
 bool ContactSurface::axesOf( const NodeState& nodes, int node, const Vec3d& along, Axes& axes ) const
 {
 	const Vec3 at = nodes.x.get( node );
+	const std::array<std::int32_t, 6>& beside = neighbours()[std::size_t( node )];
 	for ( int axis = 0; axis < 3; ++axis )
 	{
-		int sides[2] = {
-			m_neighbours[std::size_t( node )][std::size_t( 2 * axis )], m_neighbours[std::size_t( node )][std::size_t( 2 * axis + 1 )] };
+		const int sides[2] = { beside[std::size_t( 2 * axis )], beside[std::size_t( 2 * axis + 1 )] };
 		double most = 0.0;
 		for ( const int other : sides )
 		{
-			if ( other < 0 || nodes.freedom[std::size_t( other )] == 0.0f )
+			if ( other < 0 )
 			{
 				continue;
 			}
@@ -185,7 +239,7 @@ SharedNodes ContactSurface::sharedNodes( const NodeState& nodes, int node, const
 	Axes axes;
 	const Vec3d along = at;
 	at = Vec3d::Zero();
-	if ( m_neighbours.empty() || !axesOf( nodes, node, along, axes ) )
+	if ( neighbours().empty() || !axesOf( nodes, node, along, axes ) )
 	{
 		return shared;
 	}

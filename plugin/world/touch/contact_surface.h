@@ -6,11 +6,13 @@
 #include "lattice/axis_neighbours.h"
 #include "lattice/lattice.h"
 #include "world/constants.h"
+#include "world/touch/level_faces.h"
 #include "world/touch/node_touch.h"
 #include "world/touch/shared_nodes.h"
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace pliant {
 
@@ -20,8 +22,9 @@ struct NodeState;
 class ContactSurface
 {
 public:
-	/// Reads the body's lattice where `version` has changed. Bodies with levels have no patches, and their nodes share no contacts.
-	void follow( const Body& body, unsigned version );
+	/// Reads the body's lattice where its nodes' numbers or its links have changed, and its levels. `numbering`, `links`: counts of
+	/// changes.
+	void follow( const Body& body, unsigned numbering, unsigned links );
 
 	/// The patch of a node in the body's present deformation.
 	struct Patch
@@ -29,17 +32,27 @@ public:
 		Vec3d normal = Vec3d::UnitY(); ///< outwards, unit length, world axes
 		double height = 0.0;           ///< from the node along the normal to the surface, m
 		double radius = 0.0;           ///< m
+		double depth = 0.0;            ///< penetration beyond which it does not apply, m
 
 		bool isFlat( double cellSize ) const { return radius > kFlatRadius * cellSize; }
 		/// True for the largest radius, which stands for a plane.
 		bool isPlane( double cellSize ) const { return radius > kPlaneRadius * cellSize; }
 	};
-	/// False where the node has none: at edges, in thin parts, and where the cells around it are crushed.
+	/// False where the node has none: at edges, in thin parts, and where the cells around it are crushed. `towards`: from the node's
+	/// centre to an object's point near it, m; a coarse node has patches of several cells. `withEdges`: on bodies with levels, also a plane
+	/// that continues in front of a node at an edge (edge_faces.h).
+	bool patchOf( const NodeState& nodes, int node, const Vec3d& towards, bool withEdges, Patch& patch ) const;
+	/// Of a body without levels.
 	bool patchOf( const NodeState& nodes, int node, Patch& patch ) const;
 	bool hasPatches() const { return m_hasPatches; }
-	/// Axis neighbours of the nodes of a body without levels; otherwise empty.
-	const AxisNeighbours& neighbours() const { return m_neighbours; }
-	double cellSize() const { return m_cellSize; }
+	/// Null for a body without levels.
+	const LevelFaces* levels() const { return m_levels.get(); }
+	/// Nodes beside each node; where levels differ, the one most nearly along the axis.
+	const AxisNeighbours& neighbours() const { return m_levels ? m_levels->neighbours() : m_neighbours; }
+	double sizeOf( int node ) const { return m_levels ? m_levels->sizeOf( node ) : m_cellSize; } ///< edge of the node's cells together, m
+	double largestSize() const { return m_levels ? m_levels->largestSize() : m_cellSize; }       ///< m
+	/// How far the patches are in front of the nodes' spheres at most, m.
+	double overhang() const { return m_levels ? m_levels->overhang() : double( m_lattice->overhang ); }
 
 	/// The nodes that share a contact. `at`: from the node's centre to the contact point, m; it is moved to where the nodes can share it,
 	/// which changes it only in crumbs, sheets and crushed parts. The weights `press` are for impulses at any point of the line through it
@@ -52,13 +65,25 @@ public:
 private:
 	const std::vector<ContactPatch>& patches() const { return m_patch.empty() ? m_lattice->patch : m_patch; }
 	struct Axes;
+	/// Steps between the neighbours on both sides of a node along each axis, as columns, at rest and now, m.
+	struct Steps
+	{
+		Eigen::Matrix3d before, now, cofactors; ///< cofactors of `now`
+	};
+	bool stepsAt( const NodeState& nodes, int node, Steps& steps ) const;
+	bool patchOfFace( const LevelFaces::Face& face, const Steps& steps, Patch& patch ) const;
+	const Vec3& restCentre( int node ) const
+	{
+		return m_levels ? m_levels->restCentre( node ) : m_lattice->restCentre[std::size_t( node )];
+	}
 	void followCracks();
 	bool axesOf( const NodeState& nodes, int node, const Vec3d& along, Axes& axes ) const;
 
 	const Lattice* m_lattice = nullptr;
-	unsigned m_version = 0;
+	unsigned m_numbering = 0, m_linkVersion = 0;
 	std::size_t m_links = 0;
-	AxisNeighbours m_neighbours;       ///< empty: nothing is shared
+	AxisNeighbours m_neighbours; ///< of cells
+	std::unique_ptr<LevelFaces> m_levels;
 	std::vector<ContactPatch> m_patch; ///< by cell; empty: the lattice's
 	bool m_hasPatches = false;
 	double m_cellSize = 0.0;
@@ -128,7 +153,7 @@ PatchAnswer findPatchTouch( const ContactSurface::Patch& patch, double cellSize,
 			return PatchAnswer::UseSphere;
 		}
 		const double cosine = -patch.normal.dot( touch.normal );
-		if ( touch.distance < inwards + patch.height - kPatchDepth * cellSize )
+		if ( touch.distance < inwards + patch.height - patch.depth )
 		{
 			inwards = std::min( kPatchRetreat * inwards, kFirstRetreat * cellSize ); // the centre may lie on the other side of a thin body
 			continue;

@@ -10,14 +10,14 @@ bool findEdgeFace( const ContactSurface& surface, const Body& body, int node, co
 	const Lattice& lattice = body.lattice();
 	const NodeState& nodes = body.nodes();
 	const Vec3 own = nodes.x.get( node );
-	const double most = kEdgeFaceHeight * surface.cellSize();
+	const double most = kEdgeFaceHeight * surface.sizeOf( node );
 	bool isFound = false;
 	double largest = 0.0;
 	for ( std::uint32_t k = lattice.linkStart[std::size_t( node )]; k < lattice.linkStart[std::size_t( node ) + 1]; ++k )
 	{
 		const int other = int( lattice.linkTo[k] );
 		ContactSurface::Patch patch;
-		if ( !surface.patchOf( nodes, other, patch ) || !patch.isFlat( surface.cellSize() ) )
+		if ( !surface.patchOf( nodes, other, patch ) || !patch.isFlat( surface.sizeOf( other ) ) )
 		{
 			continue;
 		}

@@ -2,6 +2,7 @@
 
 #include "world/constants.h"
 #include "world/touch/box_touch.h"
+#include "world/touch/edge_constants.h"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
@@ -275,6 +276,16 @@ btScalar largestExtent( const btCollisionShape& shape )
 	shape.getAabb( btTransform::getIdentity(), low, high );
 	const btVector3 extent = high - low;
 	return extent[extent.maxAxis()];
+}
+
+PatchObstacle PatchObstacle::of( const btCollisionShape& shape, double extent )
+{
+	PatchObstacle obstacle;
+	const int type = shape.getShapeType();
+	obstacle.isSmall = extent < kEdgeThing;
+	obstacle.isRound = obstacle.isSmall ? type == SPHERE_SHAPE_PROXYTYPE : !shape.isPolyhedral();
+	obstacle.rounding = type == CAPSULE_SHAPE_PROXYTYPE ? double( shape.getMargin() ) : 0.0;
+	return obstacle;
 }
 
 btTransform Obstacle::transform() const

@@ -73,6 +73,9 @@ struct PatchObstacle
 	bool isRound = false;  ///< it touches where its own normal is: no polyhedron, or, of small objects, a sphere
 	double rounding = 0.0; ///< m, radius of a small capsule
 
+	/// `extent`: the shape's largest, in cells of the node that it touches.
+	static PatchObstacle of( const btCollisionShape& shape, double extent );
+
 	/// In front of a plane, cells.
 	double planeDepth() const { return isSmall ? kSmallPlaneDepth : kPlaneDepth; }
 	double planeHalfWidth() const { return isSmall ? kSmallPlaneHalfWidth : kPlaneHalfWidth; }

@@ -7,7 +7,8 @@
 namespace pliant {
 
 /// The nodes that a contact acts on: the velocity of a surface point is the weighted sum of theirs, by `press` along the contact normal and
-/// by `rub` across it; impulses are distributed by the same weights (contact_surface.h). Each set of weights sums to 1.
+/// by `rub` across it; impulses are distributed by the same weights (contact_surface.h). Each set of weights sums to 1, pinned nodes
+/// included.
 struct SharedNodes
 {
 	static constexpr int kMost = 4;
@@ -28,7 +29,7 @@ struct SharedNodes
 	template <class Of>
 	Vec3d velocity( const Vec3d& normal, const Of& of ) const
 	{
-		if ( count == 1 )
+		if ( count == 1 && press[0] == 1.0 && rub[0] == 1.0 )
 		{
 			return of( node[0] );
 		}
@@ -40,6 +41,21 @@ struct SharedNodes
 			more += ( press[j] - rub[j] ) * v;
 		}
 		return sum + normal.dot( more ) * normal;
+	}
+	/// Removes the nodes for which `isRemoved( node )` and keeps the others' weights; returns the velocity of the removed ones' part.
+	template <class IsRemoved, class Of>
+	Vec3d remove( const Vec3d& normal, const IsRemoved& isRemoved, const Of& of )
+	{
+		SharedNodes kept, removed;
+		for ( int j = 0; j < count; ++j )
+		{
+			SharedNodes& to = isRemoved( node[j] ) ? removed : kept;
+			to.node[to.count] = node[j];
+			to.press[to.count] = press[j];
+			to.rub[to.count++] = rub[j];
+		}
+		*this = kept;
+		return removed.velocity( normal, of );
 	}
 };
 

@@ -296,7 +296,7 @@ std::vector<btScalar> positionsAfterBreaking( int threads )
 	{
 		SoftBody* soft = t.addSoft( block( 8, 8, 8, 0.1f ), at( btScalar( 1.2 * k ), btScalar( 0.42 ), 0 ), implicit( 1e6f ), settings );
 		EXPECT_TRUE( soft->setFracture( breaksAt( 0.05f ) ).ok() );
-		t.addBox( 500, btVector3( 0.1f, 0.1f, 0.1f ), at( btScalar( 1.2 * k + 0.2 ), 2, 0 ) )->setLinearVelocity( btVector3( 0, -15, 0 ) );
+		t.addBox( 500, btVector3( 0.1f, 0.1f, 0.1f ), at( btScalar( 1.2 * k + 0.2 ), 2, 0 ) )->setLinearVelocity( btVector3( 0, -20, 0 ) );
 	}
 	int splits = 0, links = 0;
 	for ( int frame = 0; frame < 60; ++frame )

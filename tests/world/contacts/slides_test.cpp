@@ -55,6 +55,28 @@ TEST( Slides, OfSoftBoxesOnAnImplicitTrackFollowTheory )
 	}
 }
 
+// Two layers of nodes of 2 or 4 cells, of which the lower one is pinned; small boxes fell through, and larger ones were braked by the
+// spheres. Where the track refines, the borders of levels move with the box. Pinned nodes share contacts: without them friction acts at the
+// height of the free nodes, and tips what is smaller than a node.
+TEST( Slides, OfATrackWithLevelsFollowTheory )
+{
+	for ( const Elasticity elasticity : { Elasticity::Implicit, Elasticity::Explicit } )
+	{
+		const bool isImplicit = elasticity == Elasticity::Implicit;
+		for ( const int levels : { 1, 2 } )
+		{
+			for ( const bool refines : { false, true } )
+			{
+				for ( const double cells : kSizes )
+				{
+					expectSlides( { .elasticity = elasticity, .cells = cells, .coarseLevels = levels, .refines = refines }, { 0.3, 0.6 },
+						isImplicit ? double( test::kFrame ) : 0.0, isImplicit ? 0.045 : 0.03 );
+				}
+			}
+		}
+	}
+}
+
 TEST( Slides, BeginADegreeAboveTheAngleOfFrictionAndNotADegreeBelow )
 {
 	for ( const double ownCell : { 0.0, 0.1, 0.06 } ) // m; 0: rigid

@@ -4,6 +4,7 @@
 #include "world/misuse/misuse.h"
 
 #include <pliant/game/skeleton.h>
+#include <pliant/render/gpu_surface.h>
 
 #include <functional>
 #include <utility>
