@@ -114,9 +114,11 @@ inline constexpr double kPatchDepth = 1.25, kPatchRetreat = 0.25, kFirstRetreat 
 /// Limit of spheres tried per patch, and tolerance of the lateral offset of the touching point, as a fraction of its bound.
 inline constexpr int kPatchRounds = 4;
 inline constexpr double kPatchTolerance = 0.05;
-/// Two patches are tested against each other where their nodes' lines are no farther apart than this, and the gap between their own
-/// spheres no larger than that, cells of the larger kind.
-inline constexpr double kPatchPairDistance = 0.72, kPatchPairMargin = 0.25;
+/// Two patches are tested against each other where their nodes' lines are no farther apart than this, cells of the larger kind; and
+/// allowance of the gap between their own spheres.
+inline constexpr double kPatchPairDistance = 0.72, kPatchPairMargin = 0.03;
+/// Two nodes are of about the same size where the ratio of their sizes exceeds this.
+inline constexpr double kAlikeSizes = 0.55;
 /// A node has no patch where the cells around it are compressed below this fraction of their rest volume.
 inline constexpr double kLeastPatchVolume = 0.2;
 /// Least volume of the parallelepiped of the offsets to the nodes that share a point, as a fraction of the box of their lengths, and

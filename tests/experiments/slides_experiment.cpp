@@ -58,7 +58,14 @@ void onAllTracks( const Print& print )
 	{
 		std::puts( elasticity == Elasticity::Implicit ? "-- implicit" : "-- explicit" );
 		print( "rigid box", { .elasticity = elasticity }, rigid );
-		print( "rigid box, levels", { .elasticity = elasticity, .coarseLevels = 1 }, rigid );
+		for ( const int levels : { 1, 2 } )
+		{
+			print( levels == 1 ? "rigid box, one level" : "rigid box, two levels", { .elasticity = elasticity, .coarseLevels = levels },
+				rigid );
+			print( levels == 1 ? "rigid box, one level, refined" : "rigid box, two levels, refined",
+				{ .elasticity = elasticity, .coarseLevels = levels, .refines = true }, rigid );
+		}
+		print( "soft box, equal cells, one level", { .elasticity = elasticity, .ownCell = kEqual, .coarseLevels = 1 }, { 3.0, 5.0 } );
 		print( "soft box, equal cells", { .elasticity = elasticity, .ownCell = kEqual }, soft );
 		print( "soft box, smaller cells", { .elasticity = elasticity, .ownCell = kFiner }, soft );
 	}

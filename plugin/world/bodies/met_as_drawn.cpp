@@ -22,7 +22,7 @@ bool hasPatches( const SoftBody::Impl& impl )
 /// since stacks of them would not come to rest on plane faces.
 bool areMetAsDrawn( const SoftBody::Impl& a, const SoftBody::Impl& b )
 {
-	const auto isOne = []( const SoftBody::Impl& impl ) { return impl.isImplicit && impl.isWhole() && hasPatches( impl ); };
+	const auto isOne = []( const SoftBody::Impl& impl ) { return impl.isImplicit && impl.isUnbroken() && hasPatches( impl ); };
 	return &a != &b && isOne( a ) && isOne( b );
 }
 

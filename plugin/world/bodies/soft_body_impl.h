@@ -276,10 +276,11 @@ struct SoftBody::Impl
 	/// The same for contacts with one object: all bodies show rigid ones that move or are small their drawn surface, which would fall into
 	/// the gaps between nodes' spheres, and whole implicit bodies show it to each other, since their spheres would interlock.
 	bool isMetAsDrawnBy( const btCollisionObject& other ) const;
+	bool isUnbroken() const { return !family && fractureVersion == 0; }
 	/// True for a body without levels that has never broken.
-	bool isWhole() const { return !body->levels() && !family && fractureVersion == 0; }
+	bool isWhole() const { return !body->levels() && isUnbroken(); }
 	/// How far the patches lie in front of the nodes' spheres at most, m.
-	double overhang() const { return body->levels() ? 0.0 : double( body->lattice().overhang ); }
+	double overhang() const { return double( body->lattice().overhang ); }
 	/// Whether a force field of its world is being called, which may not change the body. `checkTime` returns a refusal then.
 	bool isInField() const;
 	Status checkTime( const char* call ) const;

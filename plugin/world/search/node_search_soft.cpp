@@ -83,23 +83,37 @@ struct Ball
 class PatchPairs
 {
 public:
-	PatchPairs( const SoftBody& a, const SoftBody& b ) : m_a( a.impl() ), m_b( b.impl() ) {}
+	PatchPairs( const SoftBody& a, const SoftBody& b ) :
+		m_a( a.impl() ), m_b( b.impl() ), m_hasLevels( m_a.body->levels() || m_b.body->levels() )
+	{}
 	/// Largest gap between the own spheres of two nodes whose patches touch, m.
 	btScalar margin() const
 	{
 		const ContactSurface &one = m_a.surfaceNow(), &other = m_b.surfaceNow();
-		return btScalar( kPatchPairMargin * std::max( one.largestSize(), other.largestSize() ) + one.overhang() + other.overhang() );
+		const double large = std::max( one.largestSize(), other.largestSize() );
+		return btScalar( marginOf( large, std::min( one.cellSize(), other.cellSize() ) ) + one.overhang() + other.overhang() );
 	}
 
 	PatchAnswer find( const MovingSphere& sphere, int nodeA, const Ball& ball, Touch& touch ) const
 	{
 		ContactSurface::Patch one, other;
 		const Vec3d apart = ball.at - sphere.centre;
-		const bool hasOne = faceOf( m_a, nodeA, apart, one ), hasOther = faceOf( m_b, ball.node, -apart, other );
+		const double sizes[2] = { m_a.surfaceNow().sizeOf( nodeA ), m_b.surfaceNow().sizeOf( ball.node ) };
+		if ( m_hasLevels && apart.norm() - sphere.displacement.norm() > sphere.radius + ball.radius + marginOf( sizes[0], sizes[1] ) )
+		{
+			return PatchAnswer::Clear; // the margin of the body's largest nodes is wider
+		}
+		bool hasOne = patchOf( m_a, nodeA, apart, one ), hasOther = patchOf( m_b, ball.node, -apart, other );
+		const bool isOnOne = hasOne, isOnOther = hasOther;
+		// Nodes at edges: the face towards the other's surface, or else the one towards its node.
+		hasOne = hasOne || edgeFaceOf( m_a, nodeA, isOnOther ? towardsPlane( other, -apart ) : Vec3d( 0.5 * apart ), one );
+		hasOther = hasOther || edgeFaceOf( m_b, ball.node, isOnOne ? towardsPlane( one, apart ) : Vec3d( -0.5 * apart ), other );
 		if ( hasOne && hasOther )
 		{
-			const double cell = std::max( m_a.surfaceNow().sizeOf( nodeA ), m_b.surfaceNow().sizeOf( ball.node ) );
-			return findBoth( one, other, cell, sphere, ball, touch );
+			// A large node is as near to the second layer of small ones, whose faces are at the side.
+			const bool mayMeet = std::min( sizes[0], sizes[1] ) > kAlikeSizes * std::max( sizes[0], sizes[1] ) ||
+				-one.normal.dot( other.normal ) > kLeastContactCosine;
+			return mayMeet ? findBoth( one, other, sizes, sphere, ball, touch ) : PatchAnswer::UseSphere;
 		}
 		if ( hasOne )
 		{
@@ -124,12 +138,28 @@ public:
 	}
 
 private:
-	/// The patch of a node, or at edges the face in front of it.
-	static bool faceOf( const SoftBody::Impl& body, int node, const Vec3d& towards, ContactSurface::Patch& face )
+	/// The same for two nodes of these sizes, m. Where one touches the corner of the other's face, their centres are sqrt( c^2 / 2 + R^2 )
+	/// apart, c the larger size and R the sum of their radii.
+	double marginOf( double one, double other ) const
+	{
+		const double large = std::max( one, other ), radii = 0.5 * ( one + other );
+		return std::sqrt( 0.5 * large * large + radii * radii ) - radii + kPatchPairMargin * large + m_a.overhang() + m_b.overhang();
+	}
+	static bool patchOf( const SoftBody::Impl& body, int node, const Vec3d& towards, ContactSurface::Patch& patch )
+	{
+		return body.surfaceNow().patchOf( body.body->nodes(), node, 0.5 * towards, false, patch );
+	}
+	/// The face in front of a node at an edge. `at`: of the other body, from the node's centre, m.
+	static bool edgeFaceOf( const SoftBody::Impl& body, int node, const Vec3d& at, ContactSurface::Patch& face )
 	{
 		const ContactSurface& surface = body.surfaceNow();
-		return surface.patchOf( body.body->nodes(), node, 0.5 * towards, true, face ) ||
-			( !surface.levels() && findEdgeFace( surface, *body.body, node, 0.5 * towards, face ) );
+		return surface.levels() ? surface.patchOf( body.body->nodes(), node, at, true, face )
+								: findEdgeFace( surface, *body.body, node, at, face );
+	}
+	/// The point of a patch's plane nearest to another node, from that node. `there`: the other node, from the patch's own, m.
+	static Vec3d towardsPlane( const ContactSurface::Patch& patch, const Vec3d& there )
+	{
+		return ( patch.height - patch.normal.dot( there ) ) * patch.normal;
 	}
 	/// Tests a patch against a sphere around `at`.
 	static PatchAnswer findOn( const SoftBody::Impl& body, int node, const ContactSurface::Patch& patch, const MovingSphere& own,
@@ -154,10 +184,11 @@ private:
 	}
 	/// Tests two patches. Only nodes that face each other are paired: no point of a grid is farther than .71 of its step from the nearest
 	/// grid point. Flat faces meet along the mean of their normals, each node on its own line; as the large spheres that represent them
-	/// they would roll on each other. `cell`: the larger of the nodes' sizes, m.
-	static PatchAnswer findBoth( const ContactSurface::Patch& one, const ContactSurface::Patch& other, double cell,
+	/// they would roll on each other. `sizes`: of the nodes, m.
+	static PatchAnswer findBoth( const ContactSurface::Patch& one, const ContactSurface::Patch& other, const double ( &sizes )[2],
 		const MovingSphere& sphere, const Ball& ball, Touch& touch )
 	{
+		const double cell = std::max( sizes[0], sizes[1] );
 		const bool isFlat = one.isFlat( cell ), isOtherFlat = other.isFlat( cell );
 		const double inwards = isFlat ? 0.0 : one.radius - one.height, otherInwards = isOtherFlat ? 0.0 : other.radius - other.height;
 		const Vec3d centre = sphere.centre - inwards * one.normal, otherCentre = ball.at - otherInwards * other.normal;
@@ -190,10 +221,11 @@ private:
 		{
 			return PatchAnswer::Clear;
 		}
-		// Midway between the points where each would touch by itself; a flat patch touches where the other does.
-		const Vec3d middle = between - gap * touch.normal;
+		// Between the points where each would touch by itself, nearer to the smaller node's; a flat patch touches where the other does.
+		const Vec3d apartThere = between - gap * touch.normal;
+		const double fraction = sizes[0] * sizes[0] / ( sizes[0] * sizes[0] + sizes[1] * sizes[1] );
 		touch.reach = -at.dot( touch.normal );
-		touch.aside = isFlat == isOtherFlat ? Vec3d( aside - 0.5 * middle ) : isFlat ? Vec3d( aside - middle ) : aside;
+		touch.aside = isFlat == isOtherFlat ? Vec3d( aside - fraction * apartThere ) : isFlat ? Vec3d( aside - apartThere ) : aside;
 		touch.distance = gap + sphere.radius;
 		if ( touch.distance <= sphere.radius * ( 1.0 + kContactSlop ) || !sphere.isFast() )
 		{
@@ -203,6 +235,7 @@ private:
 	}
 
 	const SoftBody::Impl &m_a, &m_b;
+	bool m_hasLevels;
 };
 
 /// Replaces both nodes' spheres by the round spheres of their faces.

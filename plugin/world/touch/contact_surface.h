@@ -49,6 +49,7 @@ public:
 	const LevelFaces* levels() const { return m_levels.get(); }
 	/// Nodes beside each node; where levels differ, the one most nearly along the axis.
 	const AxisNeighbours& neighbours() const { return m_levels ? m_levels->neighbours() : m_neighbours; }
+	double cellSize() const { return m_cellSize; }                                               ///< of the finest cells, m
 	double sizeOf( int node ) const { return m_levels ? m_levels->sizeOf( node ) : m_cellSize; } ///< edge of the node's cells together, m
 	double largestSize() const { return m_levels ? m_levels->largestSize() : m_cellSize; }       ///< m
 	/// How far the patches are in front of the nodes' spheres at most, m.

@@ -77,6 +77,28 @@ TEST( Slides, OfATrackWithLevelsFollowTheory )
 	}
 }
 
+// The second layer of a body's side faces the first layer of another's top, and where sizes differ the two are near enough to be paired.
+TEST( Slides, OfSoftBoxesOnATrackWithLevelsFollowTheory )
+{
+	for ( const int levels : { 1, 2 } )
+	{
+		for ( const bool refines : { false, true } )
+		{
+			for ( const double ownCell : { 0.1, 0.06 } )
+			{
+				for ( const double cells : { 3.0, 5.0 } )
+				{
+					test::SlidingBox box{ .elasticity = Elasticity::Implicit, .cells = cells, .ownCell = ownCell, .coarseLevels = levels };
+					box.refines = refines;
+					box.friction = 0.3;
+					const double slid = test::slideOnATrack( box );
+					EXPECT_NEAR( slid, 1.0, 0.05 ) << levels << " " << refines << " " << ownCell << " " << cells;
+				}
+			}
+		}
+	}
+}
+
 TEST( Slides, BeginADegreeAboveTheAngleOfFrictionAndNotADegreeBelow )
 {
 	for ( const double ownCell : { 0.0, 0.1, 0.06 } ) // m; 0: rigid
