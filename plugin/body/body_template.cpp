@@ -85,10 +85,13 @@ Lattice scaledLattice( const Lattice& lattice, float factor )
 	{
 		centre *= factor;
 	}
-	for ( ContactPatch& patch : to.patch )
+	for ( std::vector<ContactPatch>* const patches : { &to.patch, &to.edgeFace } )
 	{
-		patch.height *= factor;
-		patch.radius *= factor;
+		for ( ContactPatch& patch : *patches )
+		{
+			patch.height *= factor;
+			patch.radius *= factor;
+		}
 	}
 	return to;
 }

@@ -150,6 +150,9 @@ inline constexpr double kMaxPatchError = 0.08;
 /// Height of the surface above the node, in cells: at a greater height the cell is not the first one behind the surface.
 inline constexpr double kMinPatchHeight = 0.01;
 inline constexpr double kMaxPatchHeight = 0.95;
+/// Maximum number of faces at an edge; each has at least this fraction of the weight of the largest.
+inline constexpr std::size_t kMaxEdgeFaces = 4;
+inline constexpr double kLeastFaceWeight = 0.1;
 /// Radius of a flat or hollow patch, in cells: half a cell to the side the error is a five-hundredth of a cell, and half a degree.
 inline constexpr double kMaxPatchRadius = 64.0;
 

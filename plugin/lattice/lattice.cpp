@@ -50,6 +50,11 @@ const char* unmetBySizes( const Lattice& lattice )
 	return firstUnmet( { { lattice.coordinate.size() == count && lattice.restCentre.size() == count && lattice.isSurface.size() == count,
 							 "the arrays of cells differ in length" },
 		{ lattice.patch.empty() || lattice.patch.size() == count, "the number of patches is not the number of cells" },
+		{ lattice.patch.empty() ? lattice.edgeFaceStart.empty() && lattice.edgeFace.empty()
+								: lattice.edgeFaceStart.size() == count + 1 && lattice.edgeFaceStart.front() == 0 &&
+					std::is_sorted( lattice.edgeFaceStart.begin(), lattice.edgeFaceStart.end() ) &&
+					lattice.edgeFaceStart.back() == lattice.edgeFace.size(),
+			"edgeFaceStart does not span edgeFace" },
 		{ lattice.linkStart.size() == count + 1 && lattice.linkStart.front() == 0 && lattice.linkStart.back() == lattice.linkTo.size(),
 			"linkStart does not span linkTo" },
 		{ std::isfinite( lattice.cellSize ) && lattice.cellSize > 0.0f, "cellSize is not above zero" },

@@ -23,7 +23,7 @@ struct ContactPatch
 {
 	Vec3 normal = Vec3::Zero(); ///< outwards, of unit length, in the rest frame
 	float height = 0.0f;        ///< of the surface above the node along the normal, m
-	float radius = 0.0f;        ///< of the sphere, m, at least `height`; 0 where no patch exists, as at edges and in thin parts
+	float radius = 0.0f;        ///< of the sphere, m, at least `height`; 0 where no patch exists, as at edges and in thin parts (edgeFace)
 	std::uint8_t links = 0;     ///< of the cell at the time of the fit: with fewer links, a crack has opened other faces
 };
 
@@ -41,6 +41,10 @@ struct Lattice
 
 	/// By cell; empty where no patches were fitted.
 	std::vector<ContactPatch> patch;
+	/// The faces in front of cells without a patch, at edges and in thin parts: edgeFace[ edgeFaceStart[i] .. edgeFaceStart[i + 1] ) of
+	/// cell i.
+	std::vector<ContactPatch> edgeFace;
+	std::vector<std::uint32_t> edgeFaceStart;
 	float overhang = 0.0f; ///< upper bound of how far a patch lies in front of its node's sphere, m
 
 	/// The 26-neighbour links as compressed rows: cell i is linked to linkTo[ linkStart[i] .. linkStart[i + 1] ), ascending, both
@@ -53,8 +57,8 @@ struct Lattice
 	std::size_t bytes() const
 	{
 		const std::size_t perCell = sizeof( coordinate[0] ) + sizeof( float ) + sizeof( Vec3 ) + sizeof( std::uint8_t );
-		return fill.size() * perCell + patch.size() * sizeof( ContactPatch ) +
-			( linkStart.size() + linkTo.size() ) * sizeof( std::uint32_t );
+		return fill.size() * perCell + ( patch.size() + edgeFace.size() ) * sizeof( ContactPatch ) +
+			( edgeFaceStart.size() + linkStart.size() + linkTo.size() ) * sizeof( std::uint32_t );
 	}
 };
 

@@ -14,8 +14,10 @@ void archive( Archive& archive, ContactPatch& patch )
 
 void archive( Archive& archive, Lattice& lattice )
 {
-	auto& [cellSize, corner, massCentre, extent, coordinate, fill, restCentre, isSurface, patch, overhang, linkStart, linkTo] = lattice;
-	archive( cellSize, corner, massCentre, extent, coordinate, fill, restCentre, isSurface, patch, overhang, linkStart, linkTo );
+	auto& [cellSize, corner, massCentre, extent, coordinate, fill, restCentre, isSurface, patch, edgeFace, edgeFaceStart, overhang,
+		linkStart, linkTo] = lattice;
+	archive( cellSize, corner, massCentre, extent, coordinate, fill, restCentre, isSurface, patch, edgeFace, edgeFaceStart, overhang,
+		linkStart, linkTo );
 	if ( !archive.isReading() || !archive.isSound() )
 	{
 		return;
@@ -23,11 +25,11 @@ void archive( Archive& archive, Lattice& lattice )
 	archive.require( std::isfinite( cellSize ) && cellSize > 0.0f && corner.allFinite() && massCentre.allFinite() && !fill.empty() &&
 			( patch.empty() || patch.size() == fill.size() ),
 		"A lattice has impossible numbers." );
-	for ( const ContactPatch& each : patch )
-	{
-		archive.require( each.normal.allFinite() && std::isfinite( each.height ) && std::isfinite( each.radius ),
-			"A contact patch has impossible numbers." );
-	}
+	const auto isFinite = []( const ContactPatch& each ) {
+		return each.normal.allFinite() && std::isfinite( each.height ) && std::isfinite( each.radius );
+	};
+	archive.require( std::all_of( patch.begin(), patch.end(), isFinite ) && std::all_of( edgeFace.begin(), edgeFace.end(), isFinite ),
+		"A contact patch has impossible numbers." );
 	if ( archive.isSound() )
 	{
 		archive.require( validate( lattice ).ok(), "A lattice is not valid." );

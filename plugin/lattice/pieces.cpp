@@ -263,6 +263,7 @@ Lattice extractCells( const Lattice& lattice, const std::vector<std::uint32_t>& 
 	part.restCentre.reserve( cells.size() );
 	part.isSurface.reserve( cells.size() );
 	part.patch.reserve( lattice.patch.empty() ? 0 : cells.size() );
+	part.edgeFaceStart.assign( lattice.patch.empty() ? 0 : 1, 0 );
 	part.linkTo.reserve( links );
 	part.linkStart.reserve( cells.size() + 1 );
 	part.linkStart.push_back( 0 );
@@ -275,6 +276,9 @@ Lattice extractCells( const Lattice& lattice, const std::vector<std::uint32_t>& 
 		if ( !lattice.patch.empty() )
 		{
 			part.patch.push_back( lattice.patch[cell] );
+			part.edgeFace.insert( part.edgeFace.end(), lattice.edgeFace.begin() + lattice.edgeFaceStart[cell],
+				lattice.edgeFace.begin() + lattice.edgeFaceStart[cell + 1] );
+			part.edgeFaceStart.push_back( std::uint32_t( part.edgeFace.size() ) );
 		}
 		for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
 		{

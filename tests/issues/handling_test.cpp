@@ -375,7 +375,7 @@ TEST( Handling, BreakingPanesLeaveNoCostBehind )
 			SoftBody* const body = t.addSoft( pane, at( x, btScalar( 0.4 ), 0 ), test::stiff( 1e6f ) );
 			Fracture fracture;
 			fracture.rule = BreakRule::Plane;
-			fracture.breakStrain = 0.01f;
+			fracture.breakStrain = 0.005f;
 			fracture.growthFraction = 0.3f;
 			fracture.smallCells = 64;
 			fracture.smallPieces = SmallPieces::Fade;

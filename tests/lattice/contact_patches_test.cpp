@@ -57,14 +57,43 @@ TEST( ContactPatches, OfABoxAreFlatAndEndAtItsEdges )
 	}
 }
 
-// A wall one cell thick has a surface on both sides of each node, and a sheet has no inside: both use their nodes' own spheres.
-TEST( ContactPatches, AreNotInThinParts )
+TEST( ContactPatches, AtEdgesAndCornersAreTheFacesThatMeetThere )
 {
-	for ( const Lattice& lattice : { built( makeBox( { 0, 0, 0 }, { 1, 1, 0.1 } ), cellsOf( 0.1f ) ).lattice,
-			  built( makeSphere( 0.02, 8, 8 ), cellsOf( 0.06f ) ).lattice } )
+	const Lattice lattice = built( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), cellsOf( 0.1f ) ).lattice;
+	ASSERT_EQ( int( lattice.edgeFaceStart.size() ), lattice.cellCount() + 1 );
+	for ( std::size_t i = 0; i < lattice.patch.size(); ++i )
 	{
-		EXPECT_TRUE(
-			std::all_of( lattice.patch.begin(), lattice.patch.end(), []( const ContactPatch& patch ) { return patch.radius == 0.0f; } ) );
+		const Eigen::Array3i at = lattice.coordinate[i].cast<int>().array();
+		const int sides = int( ( at == 0 || at == 9 ).count() );
+		const std::uint32_t first = lattice.edgeFaceStart[i], last = lattice.edgeFaceStart[i + 1];
+		ASSERT_EQ( int( last - first ), sides > 1 ? sides : 0 ) << at.transpose();
+		for ( std::uint32_t k = first; k < last; ++k )
+		{
+			const ContactPatch& face = lattice.edgeFace[k];
+			EXPECT_NEAR( face.height, 0.05, 1e-4 );
+			Eigen::Index axis = 0;
+			EXPECT_NEAR( face.normal.cwiseAbs().maxCoeff( &axis ), 1.0, 1e-4 );
+			EXPECT_EQ( at[axis], face.normal[axis] > 0.0f ? 9 : 0 );
+		}
+	}
+}
+
+// A wall one cell thick has a surface on both sides of each node: no patch, but a face for each side.
+TEST( ContactPatches, OfThinPartsAreFacesOnBothSides )
+{
+	const Lattice lattice = built( makeBox( { 0, 0, 0 }, { 1, 1, 0.1 } ), cellsOf( 0.1f ) ).lattice;
+	for ( std::size_t i = 0; i < lattice.patch.size(); ++i )
+	{
+		EXPECT_EQ( lattice.patch[i].radius, 0.0f );
+		for ( const float side : { -1.0f, 1.0f } )
+		{
+			EXPECT_TRUE(
+				std::any_of( lattice.edgeFace.begin() + lattice.edgeFaceStart[i], lattice.edgeFace.begin() + lattice.edgeFaceStart[i + 1],
+					[side]( const ContactPatch& face ) {
+						return face.normal.z() * side > 0.999f && std::abs( face.height - 0.05f ) < 1e-4f;
+					} ) )
+				<< i;
+		}
 	}
 }
 
@@ -82,6 +111,12 @@ TEST( ContactPatches, AreThereByDefaultAndTheSameForAnyThreadCount )
 	{
 		EXPECT_TRUE( one.patch[i].normal == other.patch[i].normal && one.patch[i].height == other.patch[i].height ) << i;
 		highest = std::max( highest, one.patch[i].radius > 0.0f ? one.patch[i].height : 0.0f );
+	}
+	ASSERT_EQ( one.edgeFaceStart, other.edgeFaceStart );
+	for ( std::size_t k = 0; k < one.edgeFace.size(); ++k )
+	{
+		EXPECT_TRUE( one.edgeFace[k].normal == other.edgeFace[k].normal && one.edgeFace[k].height == other.edgeFace[k].height ) << k;
+		highest = std::max( highest, one.edgeFace[k].height );
 	}
 	// The overhang is exact, so that no box is larger than it must be.
 	EXPECT_GT( one.overhang, 0.0f );

@@ -80,7 +80,8 @@ struct LatticeSettings
 	/// Rigid objects that move, static and kinematic ones smaller than 3 cells, and, where both step implicitly and are unbroken, other
 	/// soft bodies collide with the drawn surface of the body where it is smooth; all others with one sphere per cell, or, where this is
 	/// true, with the drawn surface too: what carries the body, and all soft bodies (docs/design/contacts.md). Crack faces are flat as the
-	/// cells are. Edges and thin parts keep the spheres. The patches of the surface take 24 bytes per cell.
+	/// cells are. Large objects meet edges, and all objects meet shells and rods one cell thick, in the spheres. The surface takes 28 bytes
+	/// per cell, and at edges and in thin parts up to 96 more.
 	bool contactSurface = false;
 
 	/// Shape of the crack faces. They are computed when the first body of the template may break or is cut.

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace pliant {
@@ -89,6 +90,33 @@ public:
 		return weight > 0.0 ? Vec3d( sum / weight ) : Vec3d( Vec3d::Zero() );
 	}
 
+	/// The directions in which the samples face, one each where they differ by more than 45 degrees; the heaviest first.
+	void directions( std::vector<Vec3d>& out ) const
+	{
+		std::vector<std::pair<double, Vec3d>> groups;
+		for ( const auto& [sample, fraction] : m_near )
+		{
+			const auto same = std::find_if( groups.begin(), groups.end(),
+				[&]( const auto& group ) { return sample->normal.dot( group.second.normalized() ) > kMinPatchCosine; } );
+			if ( same == groups.end() )
+			{
+				groups.emplace_back( fraction, fraction * sample->normal );
+				continue;
+			}
+			same->first += fraction;
+			same->second += fraction * sample->normal;
+		}
+		std::stable_sort( groups.begin(), groups.end(), []( const auto& a, const auto& b ) { return a.first > b.first; } );
+		out.clear();
+		for ( const auto& [weight, sum] : groups )
+		{
+			if ( weight >= kLeastFaceWeight * groups.front().first && out.size() < kMaxEdgeFaces )
+			{
+				out.push_back( sum.normalized() );
+			}
+		}
+	}
+
 	/// Fits the height above the node along n as a + g.l - k ( |l|^2 + ( h - a )^2 ) / 2, l across n, by least squares; false where the
 	/// samples do not determine it. The surface is a sphere if g is zero; the a inside the square is the input value of `out.height`.
 	struct Fit
@@ -149,16 +177,10 @@ private:
 	std::vector<std::pair<const Sample*, double>> m_near;
 };
 
-/// In cells; radius 0 where no patch exists.
-ContactPatch patchOf( const Neighbourhood& near, const Vec3d& node )
+/// The patch of the samples that face along n, in cells; radius 0 where they are no smooth sheet.
+ContactPatch patchAlong( const Neighbourhood& near, const Vec3d& node, Vec3d n )
 {
-	const Vec3d all = near.meanNormal( node );
 	ContactPatch patch;
-	if ( all.norm() < kMinPatchAgreement )
-	{
-		return patch;
-	}
-	Vec3d n = all.normalized();
 	Neighbourhood::Fit fit;
 	for ( int round = 0; round < kPatchFits; ++round )
 	{
@@ -179,6 +201,19 @@ ContactPatch patchOf( const Neighbourhood& near, const Vec3d& node )
 	return patch;
 }
 
+/// In cells; radius 0 where no patch exists.
+ContactPatch patchOf( const Neighbourhood& near, const Vec3d& node )
+{
+	const Vec3d all = near.meanNormal( node );
+	return all.norm() < kMinPatchAgreement ? ContactPatch{} : patchAlong( near, node, all.normalized() );
+}
+
+void toMetres( float cellSize, ContactPatch& patch )
+{
+	patch.height *= cellSize;
+	patch.radius *= cellSize;
+}
+
 } // namespace
 
 void fitContactPatches( const WeldedMesh& mesh, const Grid& grid, TaskRunner* runner, Lattice& lattice )
@@ -187,8 +222,11 @@ void fitContactPatches( const WeldedMesh& mesh, const Grid& grid, TaskRunner* ru
 	const auto count = std::size_t( lattice.cellCount() ), tasks = std::min( kMaxTasks, count );
 	lattice.patch.assign( count, ContactPatch{} );
 	const Vec3d middle = ( lattice.massCentre - grid.corner ) / grid.cellSize;
+	std::vector<std::vector<ContactPatch>> faces( tasks ); // of the cells of each task
+	lattice.edgeFaceStart.assign( count + 1, 0 );
 	auto fitSome = [&]( int task ) {
 		Neighbourhood near( samples, grid );
+		std::vector<Vec3d> directions;
 		for ( std::size_t i = count * std::size_t( task ) / tasks; i < count * ( std::size_t( task ) + 1 ) / tasks; ++i )
 		{
 			if ( lattice.isSurface[i] == 0 )
@@ -199,15 +237,37 @@ void fitContactPatches( const WeldedMesh& mesh, const Grid& grid, TaskRunner* ru
 			near.gather( lattice.coordinate[i].cast<int>(), node );
 			ContactPatch& patch = lattice.patch[i];
 			patch = patchOf( near, node );
-			patch.height *= lattice.cellSize;
-			patch.radius *= lattice.cellSize;
+			toMetres( lattice.cellSize, patch );
 			patch.links = std::uint8_t( lattice.linkStart[i + 1] - lattice.linkStart[i] );
+			if ( patch.radius > 0.0f )
+			{
+				continue;
+			}
+			near.directions( directions );
+			for ( const Vec3d& along : directions )
+			{
+				ContactPatch face = patchAlong( near, node, along );
+				if ( face.radius > 0.0f )
+				{
+					toMetres( lattice.cellSize, face );
+					faces[std::size_t( task )].push_back( face );
+					++lattice.edgeFaceStart[i + 1];
+				}
+			}
 		}
 	};
 	runGuarded( runner, int( tasks ), fitSome );
-	for ( const ContactPatch& patch : lattice.patch )
+	std::partial_sum( lattice.edgeFaceStart.begin(), lattice.edgeFaceStart.end(), lattice.edgeFaceStart.begin() );
+	for ( const std::vector<ContactPatch>& some : faces )
 	{
-		lattice.overhang = std::max( lattice.overhang, patch.radius > 0.0f ? patch.height - 0.5f * lattice.cellSize : 0.0f );
+		lattice.edgeFace.insert( lattice.edgeFace.end(), some.begin(), some.end() );
+	}
+	for ( const std::vector<ContactPatch>* const all : { &lattice.patch, &lattice.edgeFace } )
+	{
+		for ( const ContactPatch& patch : *all )
+		{
+			lattice.overhang = std::max( lattice.overhang, patch.radius > 0.0f ? patch.height - 0.5f * lattice.cellSize : 0.0f );
+		}
 	}
 }
 

@@ -10,9 +10,10 @@ namespace pliant {
 
 class TaskRunner;
 
-/// Fills Lattice::patch and overhang. `lattice`: complete otherwise, with rest centres relative to its mass centre; `mesh`: oriented;
-/// `runner`: may be null, the result does not depend on it. A cell has no patch where the nearby surface is not a smooth sheet in front of
-/// it: at edges, in thin parts, in shells of one cell, within the body.
+/// Fills Lattice::patch, edgeFace and overhang. `lattice`: complete otherwise, with rest centres relative to its mass centre; `mesh`:
+/// oriented; `runner`: may be null, the result does not depend on it. A cell has no patch where the nearby surface is not a smooth sheet in
+/// front of it: at edges, in thin parts, within the body. At edges and in thin parts it has up to four faces instead, one in each direction
+/// in which the surface near it faces.
 void fitContactPatches( const WeldedMesh& mesh, const Grid& grid, TaskRunner* runner, Lattice& lattice );
 
 } // namespace pliant

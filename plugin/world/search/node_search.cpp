@@ -6,7 +6,6 @@
 #include "world/constants.h"
 #include "world/touch/box_touch.h"
 #include "world/touch/edge_constants.h"
-#include "world/touch/edge_faces.h"
 #include "world/touch/terrain_side.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -155,7 +154,7 @@ inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nea
 {
 	ContactSurface::Patch patch;
 	Touch there;
-	if ( m_surface && ( !m_surface->levels() || nearest( sphere, there ) ) &&
+	if ( m_surface && ( !m_surface->hasSeveral( node, m_patchObstacle.isSmall ) || nearest( sphere, there ) ) &&
 		m_surface->patchOf( m_soft->impl().body->nodes(), node, -there.distance * there.normal, m_patchObstacle.isSmall, patch ) )
 	{
 		const PatchAnswer answer = findPatchTouch( patch, m_surface->sizeOf( node ), m_patchObstacle, sphere, nearest, find, touch );
@@ -173,27 +172,6 @@ inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nea
 	}
 	return find( sphere, touch );
 }
-
-namespace {
-
-/// At edges, where nodes have no patch, tests the face in front of one against an object that would fit between their spheres.
-template <class Nearest, class Find>
-PatchAnswer touchEdge( const SoftBody& soft, PatchObstacle obstacle, int node, const MovingSphere& sphere, const Nearest& nearest,
-	const Find& find, Touch& touch )
-{
-	const SoftBody::Impl& impl = soft.impl();
-	const ContactSurface& surface = impl.surfaceNow();
-	ContactSurface::Patch face;
-	Touch there;
-	if ( surface.patchOf( impl.body->nodes(), node, face ) || !nearest( sphere, there ) ||
-		!findEdgeFace( surface, *impl.body, node, -there.distance * there.normal, face ) )
-	{
-		return PatchAnswer::UseSphere;
-	}
-	return findPatchTouch( face, surface.sizeOf( node ), obstacle, sphere, nearest, find, touch );
-}
-
-} // namespace
 
 // A plane's box is unbounded: every node is tested, inner ones too, without a tree.
 void NodeSearch::plane( const Obstacle& obstacle )
@@ -305,15 +283,11 @@ void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Fin
 		noteNearby( node, size );
 		Touch touch;
 		const MovingSphere sphere = spheres.of( node );
-		const bool hasLevels = m_surface && m_surface->levels();
-		if ( hasLevels )
+		if ( m_surface && m_surface->levels() )
 		{
 			m_patchObstacle = PatchObstacle::of( *obstacle.shape, double( size ) / m_surface->sizeOf( node ) );
 		}
-		const PatchAnswer edge = m_patchObstacle.isSmall && !hasLevels
-			? touchEdge( *m_soft, m_patchObstacle, node, sphere, nearest, find, touch )
-			: PatchAnswer::UseSphere;
-		if ( ( edge == PatchAnswer::UseSphere ? touches( node, sphere, nearest, find, touch ) : edge == PatchAnswer::Touches ) &&
+		if ( touches( node, sphere, nearest, find, touch ) &&
 			( !looksAhead || touch.reach >= 0.0 || lookAhead( then, sphere, spheres.ahead( node ), touch ) ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );

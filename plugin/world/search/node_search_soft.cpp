@@ -3,7 +3,6 @@
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/search/node_search.h"
-#include "world/touch/edge_faces.h"
 #include "world/touch/round_surface.h"
 
 #include <algorithm>
@@ -152,9 +151,7 @@ private:
 	/// The face in front of a node at an edge. `at`: of the other body, from the node's centre, m.
 	static bool edgeFaceOf( const SoftBody::Impl& body, int node, const Vec3d& at, ContactSurface::Patch& face )
 	{
-		const ContactSurface& surface = body.surfaceNow();
-		return surface.levels() ? surface.patchOf( body.body->nodes(), node, at, true, face )
-								: findEdgeFace( surface, *body.body, node, at, face );
+		return body.surfaceNow().patchOf( body.body->nodes(), node, at, true, face );
 	}
 	/// The point of a patch's plane nearest to another node, from that node. `there`: the other node, from the patch's own, m.
 	static Vec3d towardsPlane( const ContactSurface::Patch& patch, const Vec3d& there )

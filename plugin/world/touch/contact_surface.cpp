@@ -3,6 +3,7 @@
 #include "body/body.h"
 #include "lattice/constants.h"
 #include "world/constants.h"
+#include "world/touch/edge_constants.h"
 
 #include <Eigen/LU>
 
@@ -15,6 +16,18 @@ struct ContactSurface::Axes
 	Eigen::Matrix3d step = Eigen::Matrix3d::Zero(); ///< as columns; zero without a neighbour
 	int count = 0;
 };
+
+namespace {
+
+/// Whether another face is on the opposite side: both are those of a sheet.
+template <class Iterator>
+bool isThinAlong( const ContactPatch& face, Iterator first, Iterator last )
+{
+	return std::any_of(
+		first, last, [&face]( const ContactPatch& other ) { return double( face.normal.dot( other.normal ) ) < -kOppositeCosine; } );
+}
+
+} // namespace
 
 void ContactSurface::follow( const Body& body, unsigned numbering, unsigned links )
 {
@@ -34,7 +47,9 @@ void ContactSurface::follow( const Body& body, unsigned numbering, unsigned link
 		m_patch.clear();
 		m_neighbours = findAxisNeighbours( lattice );
 		followCracks();
-		m_hasPatches = std::any_of( patches().begin(), patches().end(), []( const ContactPatch& patch ) { return patch.radius > 0.0f; } );
+		findThinCells();
+		m_hasPatches = !lattice.edgeFace.empty() ||
+			std::any_of( patches().begin(), patches().end(), []( const ContactPatch& patch ) { return patch.radius > 0.0f; } );
 	}
 	if ( !body.levels() || !m_hasPatches )
 	{
@@ -47,6 +62,21 @@ void ContactSurface::follow( const Body& body, unsigned numbering, unsigned link
 	}
 	m_levels = m_levels ? std::move( m_levels ) : std::make_unique<LevelFaces>();
 	m_levels->build( lattice, *body.levels(), patches(), m_neighbours );
+}
+
+void ContactSurface::findThinCells()
+{
+	m_isThin.clear();
+	for ( std::size_t cell = 0; cell + 1 < m_lattice->edgeFaceStart.size(); ++cell )
+	{
+		const auto first = m_lattice->edgeFace.begin() + m_lattice->edgeFaceStart[cell];
+		const auto last = m_lattice->edgeFace.begin() + m_lattice->edgeFaceStart[cell + 1];
+		if ( std::any_of( first, last, [&]( const ContactPatch& face ) { return isThinAlong( face, first, last ); } ) )
+		{
+			m_isThin.resize( m_lattice->edgeFaceStart.size() - 1, 0 );
+			m_isThin[cell] = 1;
+		}
+	}
 }
 
 // A crack leaves the drawn surface in front of its cells as it was. Cells from inside, of which it has opened one side, have a flat face
@@ -90,11 +120,11 @@ bool ContactSurface::stepsAt( const NodeState& nodes, int node, Steps& steps ) c
 		const int low = beside[std::size_t( 2 * axis )], high = beside[std::size_t( 2 * axis + 1 )];
 		if ( low < 0 && high < 0 )
 		{
-			if ( !m_levels || missing >= 0 )
+			if ( missing >= 0 )
 			{
 				return false;
 			}
-			missing = axis; // a layer of one coarse node has thick parts too
+			missing = axis; // a layer of one node
 			continue;
 		}
 		const int from = low < 0 ? node : low, to = high < 0 ? node : high;
@@ -112,31 +142,57 @@ bool ContactSurface::stepsAt( const NodeState& nodes, int node, Steps& steps ) c
 	return now.col( 0 ).dot( steps.cofactors.col( 0 ) ) > kLeastPatchVolume * steps.before.determinant();
 }
 
-bool ContactSurface::patchOf( const NodeState& nodes, int node, Patch& patch ) const
+bool ContactSurface::cellPatchOf( const ContactPatch& rest, const Steps& steps, Patch& patch ) const
 {
-	if ( m_neighbours.empty() || patches().empty() )
-	{
-		return false;
-	}
-	const ContactPatch& rest = patches()[std::size_t( node )];
-	Steps steps;
-	if ( !( rest.radius > 0.0f ) || !stepsAt( nodes, node, steps ) )
-	{
-		return false;
-	}
 	const Vec3d normal = steps.cofactors * ( steps.before.transpose() * rest.normal.cast<double>() );
 	const double length = normal.norm();
 	patch = Patch{ normal / length, double( rest.height ), double( rest.radius ), kPatchDepth * m_cellSize };
 	return length > 0.0;
 }
 
+// Of the faces that meet at an edge the one that the object is least behind: objects touch the drawn edge.
+bool ContactSurface::edgeFaceOf( const NodeState& nodes, int node, const Vec3d& towards, bool withEdges, Patch& patch ) const
+{
+	const auto first = m_lattice->edgeFace.begin() + m_lattice->edgeFaceStart[std::size_t( node )];
+	const auto last = m_lattice->edgeFace.begin() + m_lattice->edgeFaceStart[std::size_t( node ) + 1];
+	Steps steps;
+	if ( !hasEdgeFace( node, withEdges ) || !stepsAt( nodes, node, steps ) )
+	{
+		return false;
+	}
+	const ContactPatch* chosen = nullptr;
+	double largest = 0.0;
+	for ( auto face = first; face != last; ++face )
+	{
+		Patch now;
+		if ( !cellPatchOf( *face, steps, now ) )
+		{
+			continue;
+		}
+		const double gap = towards.dot( now.normal ) - now.height;
+		if ( !chosen || gap > largest )
+		{
+			chosen = &*face;
+			largest = gap;
+			patch = now;
+		}
+	}
+	return chosen && ( withEdges || isThinAlong( *chosen, first, last ) );
+}
+
 bool ContactSurface::patchOf( const NodeState& nodes, int node, const Vec3d& towards, bool withEdges, Patch& patch ) const
 {
+	Steps steps;
 	if ( !m_levels )
 	{
-		return patchOf( nodes, node, patch );
+		if ( m_neighbours.empty() || patches().empty() )
+		{
+			return false;
+		}
+		const ContactPatch& rest = patches()[std::size_t( node )];
+		return rest.radius > 0.0f ? stepsAt( nodes, node, steps ) && cellPatchOf( rest, steps, patch )
+								  : edgeFaceOf( nodes, node, towards, withEdges, patch );
 	}
-	Steps steps;
 	if ( !m_levels->hasFaces( node ) || !stepsAt( nodes, node, steps ) )
 	{
 		return false;

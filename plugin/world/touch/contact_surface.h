@@ -39,11 +39,11 @@ public:
 		bool isPlane( double cellSize ) const { return radius > kPlaneRadius * cellSize; }
 	};
 	/// False where the node has none: at edges, in thin parts, and where the cells around it are crushed. `towards`: from the node's
-	/// centre to an object's point near it, m; a coarse node has patches of several cells. `withEdges`: on bodies with levels, also a plane
-	/// that continues in front of a node at an edge (edge_faces.h).
+	/// centre to an object's point near it, m: nodes at edges, in thin parts and of coarse levels have several. `withEdges`: also one
+	/// that has none on the opposite side of a thin part, which ends at an edge.
 	bool patchOf( const NodeState& nodes, int node, const Vec3d& towards, bool withEdges, Patch& patch ) const;
-	/// Of a body without levels.
-	bool patchOf( const NodeState& nodes, int node, Patch& patch ) const;
+	/// True where patchOf depends on `towards`.
+	bool hasSeveral( int node, bool withEdges ) const { return m_levels || hasEdgeFace( node, withEdges ); }
 	bool hasPatches() const { return m_hasPatches; }
 	/// Null for a body without levels.
 	const LevelFaces* levels() const { return m_levels.get(); }
@@ -72,6 +72,15 @@ private:
 		Eigen::Matrix3d before, now, cofactors; ///< cofactors of `now`
 	};
 	bool stepsAt( const NodeState& nodes, int node, Steps& steps ) const;
+	bool cellPatchOf( const ContactPatch& rest, const Steps& steps, Patch& patch ) const;
+	bool hasEdgeFace( int node, bool withEdges ) const
+	{
+		const auto cell = std::size_t( node );
+		return withEdges ? !m_lattice->edgeFace.empty() && m_lattice->edgeFaceStart[cell] < m_lattice->edgeFaceStart[cell + 1]
+						 : !m_isThin.empty() && m_isThin[cell] != 0;
+	}
+	void findThinCells();
+	bool edgeFaceOf( const NodeState& nodes, int node, const Vec3d& towards, bool withEdges, Patch& patch ) const;
 	bool patchOfFace( const LevelFaces::Face& face, const Steps& steps, Patch& patch ) const;
 	const Vec3& restCentre( int node ) const
 	{
@@ -85,7 +94,8 @@ private:
 	std::size_t m_links = 0;
 	AxisNeighbours m_neighbours; ///< of cells
 	std::unique_ptr<LevelFaces> m_levels;
-	std::vector<ContactPatch> m_patch; ///< by cell; empty: the lattice's
+	std::vector<ContactPatch> m_patch;  ///< by cell; empty: the lattice's
+	std::vector<std::uint8_t> m_isThin; ///< by cell: two of its faces are on opposite sides; empty: none is
 	bool m_hasPatches = false;
 	double m_cellSize = 0.0;
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-// Constants of edge_faces.cpp and its use.
+// Constants of faces at edges and in thin parts.
 
 namespace pliant {
 
@@ -11,9 +11,9 @@ inline constexpr double kSmallThing = 3.0;
 inline constexpr double kEdgeThing = 1.5;
 /// How much farther than to the nodes' spheres such objects are searched for, cells.
 inline constexpr double kSmallReach = 0.5;
-/// A face is at most so far in front of a node at an edge, cells: the layer below the surface has none.
-inline constexpr double kEdgeFaceHeight = 1.0;
-/// The same on bodies with levels, where the nodes of the layer above may be smaller, in sizes of the node.
+/// Two faces are on opposite sides of a sheet where the cosine of the angle between their normals is below the negative of this.
+inline constexpr double kOppositeCosine = 0.9;
+/// A face is at most so far in front of a coarse node, in sizes of the node: beyond it belongs to the layer above.
 inline constexpr double kLayerHeight = 0.6;
 /// Two faces are in one plane where their normals have this cosine and their distance is below this, cells.
 inline constexpr double kCoplanarCosine = 0.999, kPlaneTolerance = 0.05;

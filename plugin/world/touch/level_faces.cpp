@@ -53,6 +53,12 @@ void LevelFaces::addFaces( const Lattice& lattice, const Levels& levels, const s
 		{
 			addFace( faceOf( lattice, patches[cell], cell, node ), m_size[node] );
 		}
+		for ( std::uint32_t e = lattice.edgeFaceStart[cell]; e < lattice.edgeFaceStart[cell + 1]; ++e )
+		{
+			Face face = faceOf( lattice, lattice.edgeFace[e], cell, node );
+			face.isOwn = false;
+			addFace( face, m_size[node] );
+		}
 		if ( lattice.isSurface[cell] != 0 )
 		{
 			m_linked.insert(
