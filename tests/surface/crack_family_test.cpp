@@ -292,6 +292,29 @@ TEST_P( Families, RangesOfTheWholeTellWhatIsNew )
 	EXPECT_GT( kept, 0 );
 }
 
+// A body that is thin aslant: some corners have carriers that no chain of faces connects to their cells. Such a side keeps them until its
+// first change. In checked builds a bunny that tore was refused.
+TEST_P( Families, SidesFarFromACrackKeepUnconnectedCarriers )
+{
+	int tried = 0;
+	for ( const double cell : { 0.21, 0.3, 0.37 } )
+	{
+		const CrackCase it( makeBumpySphere( 1.0, 0.5, 24, 36 ), cell, noisy( GetParam() ) );
+		Torn torn( it );
+		torn.tear( 0.0, 2, 3 );
+		CrackView view;
+		for ( const auto& cells : connectedParts( torn.lattice ) )
+		{
+			torn.family->show( cells, Vec3::Zero(), view );
+			EXPECT_EQ( drawingOf( view ),
+				drawingOf( CrackSurface( it.complex, cells, extractCells( torn.lattice, cells ), Vec3::Zero() ), torn.texture.data(),
+					torn.cuts() ) );
+		}
+		tried += torn.isInPatches() ? 1 : 0;
+	}
+	EXPECT_EQ( tried, 3 );
+}
+
 INSTANTIATE_TEST_SUITE_P( Noise, Families, testing::Values( 0.0f, 0.3f ) );
 
 } // namespace

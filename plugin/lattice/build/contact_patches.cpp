@@ -96,15 +96,16 @@ public:
 		std::vector<std::pair<double, Vec3d>> groups;
 		for ( const auto& [sample, fraction] : m_near )
 		{
+			const Vec3d& normal = sample->normal;
 			const auto same = std::find_if( groups.begin(), groups.end(),
-				[&]( const auto& group ) { return sample->normal.dot( group.second.normalized() ) > kMinPatchCosine; } );
+				[&]( const auto& group ) { return normal.dot( group.second.normalized() ) > kMinPatchCosine; } );
 			if ( same == groups.end() )
 			{
-				groups.emplace_back( fraction, fraction * sample->normal );
+				groups.emplace_back( fraction, fraction * normal );
 				continue;
 			}
 			same->first += fraction;
-			same->second += fraction * sample->normal;
+			same->second += fraction * normal;
 		}
 		std::stable_sort( groups.begin(), groups.end(), []( const auto& a, const auto& b ) { return a.first > b.first; } );
 		out.clear();

@@ -297,7 +297,12 @@ Status validateSide( const CrackSides& sides, std::uint32_t slot )
 	{
 		return broken( "A side of a crack is not a group joined by unbroken faces." );
 	}
-	const std::vector<std::uint32_t> reached = walkFrom( sides, side, carriers, CellComplex::kNone );
+	// A side keeps carriers that no face connects to it until a crack comes near (CrackSides::updateCarriersAround).
+	const bool isUntouched = std::none_of( carriers.begin(), carriers.end(), [&]( std::uint32_t cell ) {
+		return std::any_of( complex.facesOfCell.begin( cell ), complex.facesOfCell.end( cell ),
+			[&sides]( std::uint32_t face ) { return sides.isBroken( face ); } );
+	} );
+	const std::vector<std::uint32_t> reached = isUntouched ? carriers : walkFrom( sides, side, carriers, CellComplex::kNone );
 	for ( std::size_t k = 0; k < carriers.size(); ++k )
 	{
 		const bool isReached = std::find( reached.begin(), reached.end(), carriers[k] ) != reached.end();

@@ -98,7 +98,8 @@ public:
 		ContactSurface::Patch one, other;
 		const Vec3d apart = ball.at - sphere.centre;
 		const double sizes[2] = { m_a.surfaceNow().sizeOf( nodeA ), m_b.surfaceNow().sizeOf( ball.node ) };
-		if ( m_hasLevels && apart.norm() - sphere.displacement.norm() > sphere.radius + ball.radius + marginOf( sizes[0], sizes[1] ) )
+		const double most = sphere.radius + ball.radius + marginOf( sizes[0], sizes[1] ) + m_a.overhang() + m_b.overhang();
+		if ( m_hasLevels && apart.norm() - sphere.displacement.norm() > most )
 		{
 			return PatchAnswer::Clear; // the margin of the body's largest nodes is wider
 		}
@@ -139,10 +140,10 @@ public:
 private:
 	/// The same for two nodes of these sizes, m. Where one touches the corner of the other's face, their centres are sqrt( c^2 / 2 + R^2 )
 	/// apart, c the larger size and R the sum of their radii.
-	double marginOf( double one, double other ) const
+	static double marginOf( double one, double other )
 	{
 		const double large = std::max( one, other ), radii = 0.5 * ( one + other );
-		return std::sqrt( 0.5 * large * large + radii * radii ) - radii + kPatchPairMargin * large + m_a.overhang() + m_b.overhang();
+		return std::sqrt( 0.5 * large * large + radii * radii ) - radii + kPatchPairMargin * large;
 	}
 	static bool patchOf( const SoftBody::Impl& body, int node, const Vec3d& towards, ContactSurface::Patch& patch )
 	{

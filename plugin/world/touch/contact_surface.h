@@ -39,8 +39,8 @@ public:
 		bool isPlane( double cellSize ) const { return radius > kPlaneRadius * cellSize; }
 	};
 	/// False where the node has none: at edges, in thin parts, and where the cells around it are crushed. `towards`: from the node's
-	/// centre to an object's point near it, m: nodes at edges, in thin parts and of coarse levels have several. `withEdges`: also one
-	/// that has none on the opposite side of a thin part, which ends at an edge.
+	/// centre to an object's point near it, m: nodes at edges, in thin parts and of coarse levels have several. `withEdges`: also the
+	/// faces at edges, which large objects do not touch.
 	bool patchOf( const NodeState& nodes, int node, const Vec3d& towards, bool withEdges, Patch& patch ) const;
 	/// True where patchOf depends on `towards`.
 	bool hasSeveral( int node, bool withEdges ) const { return m_levels || hasEdgeFace( node, withEdges ); }
