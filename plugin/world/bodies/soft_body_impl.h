@@ -274,7 +274,7 @@ struct SoftBody::Impl
 	/// contacts that are shared by several nodes; a body that steps explicitly takes part with its masses alone.
 	bool isMetAsDrawn() const;
 	/// The same for contacts with one object: all bodies show rigid ones that move or are small their drawn surface, which would fall into
-	/// the gaps between nodes' spheres, and whole implicit bodies show it to each other, since their spheres would interlock.
+	/// the gaps between nodes' spheres, and unbroken implicit bodies show it to each other, since their spheres would interlock.
 	bool isMetAsDrawnBy( const btCollisionObject& other ) const;
 	bool isUnbroken() const { return !family && fractureVersion == 0; }
 	/// True for a body without levels that has never broken.

@@ -104,10 +104,10 @@ public:
 			return PatchAnswer::Clear; // the margin of the body's largest nodes is wider
 		}
 		bool hasOne = patchOf( m_a, nodeA, apart, one ), hasOther = patchOf( m_b, ball.node, -apart, other );
-		const bool isOnOne = hasOne, isOnOther = hasOther;
+		const bool oneIsPatch = hasOne, otherIsPatch = hasOther;
 		// Nodes at edges: the face towards the other's surface, or else the one towards its node.
-		hasOne = hasOne || edgeFaceOf( m_a, nodeA, isOnOther ? towardsPlane( other, -apart ) : Vec3d( 0.5 * apart ), one );
-		hasOther = hasOther || edgeFaceOf( m_b, ball.node, isOnOne ? towardsPlane( one, apart ) : Vec3d( -0.5 * apart ), other );
+		hasOne = hasOne || edgeFaceOf( m_a, nodeA, otherIsPatch ? towardsPlane( other, -apart ) : Vec3d( 0.5 * apart ), one );
+		hasOther = hasOther || edgeFaceOf( m_b, ball.node, oneIsPatch ? towardsPlane( one, apart ) : Vec3d( -0.5 * apart ), other );
 		if ( hasOne && hasOther )
 		{
 			// A large node is as near to the second layer of small ones, whose faces are at the side.

@@ -60,7 +60,10 @@ void ContactSurface::follow( const Body& body, unsigned numbering, unsigned link
 		}
 		return;
 	}
-	m_levels = m_levels ? std::move( m_levels ) : std::make_unique<LevelFaces>();
+	if ( !m_levels )
+	{
+		m_levels = std::make_unique<LevelFaces>();
+	}
 	m_levels->build( lattice, *body.levels(), patches(), m_neighbours );
 }
 

@@ -22,7 +22,7 @@ public:
 		Vec3 foot;           ///< point of the surface in front of the cell, from the node's centre, m
 		Vec3 normal;         ///< outwards, unit length
 		float radius = 0.0f; ///< m; of a plane the largest that a node of this size can have
-		bool isOwn = true;   ///< of the node's own cells; false: of cells that are linked to these
+		bool isOwn = true;   ///< a patch of the node's own cells; false: a face at an edge, or a patch of a linked cell
 	};
 
 	/// `patches`, `beside`: of the finest cells.

@@ -1,5 +1,6 @@
 // Bodies with levels show their drawn surface too. Objects of up to a cell fell through the gaps between the spheres of coarse nodes.
 
+#include "support/marbles.h"
 #include "test_meshes.h"
 #include "world/test_world.h"
 
@@ -57,23 +58,16 @@ TEST( LevelSurface, CarriesMarblesAndSmallBoxes )
 			TestWorld t;
 			t.addPlane();
 			addWithLevels( t, test::makeBox( { -0.8, -0.4, -0.8 }, { 0.8, 0.4, 0.8 }, 6 ), btVector3( 0, btScalar( 0.4 ), 0 ), what );
-			std::vector<btRigidBody*> things;
-			for ( int k = 0; k < 25; ++k )
-			{
-				const bool isBox = k % 2 == 1;
-				const btScalar height = isBox ? radius * btScalar( 0.7 ) : radius;
-				auto* const shape = isBox ? static_cast<btCollisionShape*>( new btBoxShape( btVector3( radius, height, radius ) ) )
-										  : new btSphereShape( radius );
-				const btScalar x = btScalar( 0.281 ) * btScalar( k % 5 - 2 ), z = btScalar( 0.293 ) * btScalar( k / 5 - 2 );
-				things.push_back( t.add( 2400 * radius * radius * radius, shape, at( x, btScalar( 0.81 ) + height, z ) ) );
-			}
+			const test::MarblesAndBoxes things( radius, btScalar( 0.281 ), btScalar( 0.293 ), btScalar( 0.81 ),
+				[&t]( btScalar mass, btCollisionShape* shape, const btVector3& position ) {
+					return t.add( mass, shape, at( position.x(), position.y(), position.z() ) );
+				} );
 			t.run( 120 );
 			int lying = 0;
-			for ( std::size_t k = 0; k < things.size(); ++k )
+			for ( int k = 0; k < things.count(); ++k )
 			{
-				const btScalar bottom = things[k]->getWorldTransform().getOrigin().y() - ( k % 2 == 1 ? radius * btScalar( 0.7 ) : radius );
-				const double most = k % 2 == 1 ? 0.15 : 0.1; // cells: a few boxes lie on an edge
-				lying += std::abs( double( bottom ) - 0.8 ) < most * double( kLevelCell ) ? 1 : 0;
+				const double most = things.isBox( k ) ? 0.15 : 0.1; // cells: a few boxes lie on an edge
+				lying += std::abs( double( things.bottom( k ) ) - 0.8 ) < most * double( kLevelCell ) ? 1 : 0;
 			}
 			EXPECT_EQ( lying, 25 ) << "levels " << what.coarseLevels << ", refines " << what.refines << ", step " << int( what.elasticity )
 								   << ", radius " << radius;

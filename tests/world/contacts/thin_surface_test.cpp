@@ -1,5 +1,6 @@
 // Sheets one cell thick show objects the surface on either side. Marbles of less than .4 cells fell between the nodes' spheres.
 
+#include "support/marbles.h"
 #include "test_meshes.h"
 #include "world/test_world.h"
 
@@ -45,23 +46,17 @@ TEST( ThinSurface, CarriesMarblesAndSmallBoxes )
 			{
 				TestWorld t;
 				const SoftBody* const sheet = addSheet( t, thickness, elasticity );
-				std::vector<btRigidBody*> things;
-				for ( int k = 0; k < 25; ++k )
-				{
-					auto* const shape = k % 2 == 1
-						? static_cast<btCollisionShape*>( new btBoxShape( btVector3( radius, radius * btScalar( 0.7 ), radius ) ) )
-						: new btSphereShape( radius );
-					const btScalar x = btScalar( 0.221 ) * btScalar( k % 5 - 2 ), z = btScalar( 0.233 ) * btScalar( k / 5 - 2 );
-					things.push_back( t.add( 2400 * radius * radius * radius, shape, at( x, btScalar( 0.01 ) + radius, z ) ) );
-				}
+				const test::MarblesAndBoxes things( radius, btScalar( 0.221 ), btScalar( 0.233 ), btScalar( 0.01 ),
+					[&t]( btScalar mass, btCollisionShape* shape, const btVector3& position ) {
+						return t.add( mass, shape, at( position.x(), position.y(), position.z() ) );
+					} );
 				t.run( 90 );
 				int lying = 0;
-				for ( std::size_t k = 0; k < things.size(); ++k )
+				for ( int k = 0; k < things.count(); ++k )
 				{
-					const btVector3& centre = things[k]->getWorldTransform().getOrigin();
-					const btScalar surface = sheet->nodePosition( sheet->nearestNode( centre ) ).y() + btScalar( 0.5 * thickness );
-					const btScalar gap = centre.y() - surface - ( k % 2 == 1 ? radius * btScalar( 0.7 ) : radius );
-					lying += std::abs( double( gap ) ) < 0.15 * double( kSheetCell ) ? 1 : 0; // the sheet is curved under them
+					const btScalar surface = sheet->nodePosition( sheet->nearestNode( things.centre( k ) ) ).y() +
+						btScalar( 0.5 * thickness );
+					lying += std::abs( double( things.bottom( k ) - surface ) ) < 0.15 * double( kSheetCell ) ? 1 : 0; // it is curved there
 				}
 				EXPECT_EQ( lying, 25 ) << "step " << int( elasticity ) << ", thickness " << thickness << ", radius " << radius;
 			}
