@@ -212,6 +212,8 @@ public:
 	// The implicit substep (docs/design/implicit.md) replaces these two: pushImplicitly, [contacts, linear solve], integrate.
 	/// True where the body's regions can be linearised: Method::Lattice with conserving weights and no far levels.
 	bool canStepImplicitly() const;
+	/// Returns true if nothing in it deforms: a single node, or a small piece of SmallPieces::Rigid.
+	bool isInelastic() const;
 	/// The same with the reason.
 	Status implicitStatus() const;
 	/// Upper bound of the ratio of the stiffness of any region to the nominal one (link_moments.h).
@@ -322,8 +324,6 @@ private:
 	void reserveMotionScratch();
 	void includePulled();
 	void keepVelocities( TaskRunner* runner );
-	/// Nothing in it deforms: a single node, or a small piece of SmallPieces::Rigid.
-	bool isInelastic() const;
 	double speedOfSound() const; ///< sqrt( E / rho ), m/s
 	/// The strain of links as a fraction: root mean square, largest, and largest extension of those that can break.
 	struct StrainSize

@@ -94,15 +94,15 @@ bool SoftBodySystem::stepsImplicitly( const SoftBody& body ) const
 		body.impl().body->canStepImplicitly();
 }
 
-bool SoftBodySystem::isImplicitPoint( const SoftBody& body ) const
+bool SoftBodySystem::isImplicitRigidPiece( const SoftBody& body ) const
 {
-	return body.material().elasticity != Elasticity::Explicit && body.nodeCount() == 1;
+	return body.material().elasticity != Elasticity::Explicit && body.impl().body->isInelastic();
 }
 
 StiffnessPlan SoftBodySystem::planOf( const SoftBody& body, btScalar gameStep, int count ) const
 {
 	Material material = body.material();
-	material.elasticity = stepsImplicitly( body ) || isImplicitPoint( body ) ? Elasticity::Implicit : Elasticity::Explicit;
+	material.elasticity = stepsImplicitly( body ) || isImplicitRigidPiece( body ) ? Elasticity::Implicit : Elasticity::Explicit;
 	return planStiffness( material, body.bodyTemplate().cellSize(), float( gameStep ), count );
 }
 

@@ -192,8 +192,8 @@ private:
 	/// Returns the number of substeps that the body takes in the game step.
 	int substepsOf( const SoftBody& body ) const;
 	bool stepsImplicitly( const SoftBody& body ) const;
-	/// Whether the body has a single node and may step implicitly: nothing in it is elastic, so it needs no substeps.
-	bool isImplicitPoint( const SoftBody& body ) const;
+	/// Whether the body has nothing elastic and may step implicitly: it needs no substeps.
+	bool isImplicitRigidPiece( const SoftBody& body ) const;
 	StiffnessPlan planOf( const SoftBody& body, btScalar gameStep, int count ) const;
 	btVector3 gravityOf( const SoftBody& body ) const;  ///< its own or the world's, m/s^2
 	Vec3 ownAcceleration( const SoftBody& body ) const; ///< gravity and the game's force, m/s^2

@@ -38,7 +38,7 @@ int SoftBodySystem::listSubstepped( btScalar gameStep, int usual )
 	m_substepped.clear();
 	for ( SoftBody* body : m_bodies )
 	{
-		if ( !moves( *body ) || body->impl().rigidProxy || isImplicitPoint( *body ) )
+		if ( !moves( *body ) || body->impl().rigidProxy || isImplicitRigidPiece( *body ) )
 		{
 			continue;
 		}
