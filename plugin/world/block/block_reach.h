@@ -29,9 +29,14 @@ public:
 	void add( const btPersistentManifold& manifold )
 	{
 		m_added.resize( kSlots, 0 );
-		m_added[slot( manifold )] = m_step;
+		m_added[slot( manifold )] = m_last = m_step;
 	}
-	void addAll() { m_added.assign( kSlots, m_step ); }
+	void addAll()
+	{
+		m_added.assign( kSlots, m_step );
+		m_last = m_step;
+	}
+	bool mayContainAny() const { return m_last + 1 >= m_step; }
 	bool mayContain( const btPersistentManifold& manifold ) const { return !m_added.empty() && m_added[slot( manifold )] + 1 >= m_step; }
 
 private:
@@ -41,7 +46,7 @@ private:
 		return std::size_t( reinterpret_cast<std::uintptr_t>( &manifold ) / kBytes ) % kSlots;
 	}
 
-	std::uint64_t m_step = 2;
+	std::uint64_t m_step = 2, m_last = 0; ///< the present step, and the last one in which any was added
 	std::vector<std::uint64_t> m_added; ///< by slot: the last step; empty before the first one
 };
 

@@ -181,11 +181,9 @@ void BlockSolve::before( const Scene& scene, TaskRunner* runner )
 	makeBlocks( scene.awake, attachments );
 	std::for_each( m_blocks.begin(), m_blocks.end(),
 		[&]( IslandBlock& block ) { block.bounceThreshold = double( info.m_restitutionVelocityThreshold ); } );
-	const bool hadBlocks = m_hadBlocks;
-	m_hadBlocks = !m_tagOf.empty();
 	if ( m_tagOf.empty() )
 	{
-		if ( hadBlocks )
+		if ( scene.taken.mayContainAny() )
 		{
 			m_reach.choose( scene.dispatcher, attachments, *this, 0, scene.gravity, scene.taken );
 			m_contacts.gather( m_reach.manifolds(), info, *this, m_blocks, scene.taken ); // finds none, and clears stale friction impulses

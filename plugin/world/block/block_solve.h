@@ -45,17 +45,8 @@ public:
 	void forget( const btCollisionObject& object );
 
 	/// The data that one substep passes to the next.
-	struct Carried
-	{
-		std::vector<OutsideImpulse> outside;
-		bool hadBlocks = false;
-	};
-	Carried carried() const { return { m_outside, m_hadBlocks }; }
-	void carry( Carried from )
-	{
-		m_outside = std::move( from.outside );
-		m_hadBlocks = from.hadBlocks;
-	}
+	const std::vector<OutsideImpulse>& carried() const { return m_outside; }
+	void carry( std::vector<OutsideImpulse> from ) { m_outside = std::move( from ); }
 
 	int contacts() const { return m_contacts.count(); }
 	const BlockCount& count() const { return m_count; } ///< maximum over all blocks
@@ -79,7 +70,6 @@ private:
 	std::vector<OutsideImpulse> m_outside; ///< in order of first contact
 	BlockCount m_count;
 	double m_h = 0.0;
-	bool m_hadBlocks = false; ///< in the last substep
 	unsigned m_stamp = 0;
 };
 

@@ -321,14 +321,13 @@ void WorldSnapshot::restoreValues()
 	m_bodies.group = m_group;
 	for ( int pass = 0; pass < 2; ++pass )
 	{
-		BlockSolve::Carried carried;
-		carried.hadBlocks = m_values.hadBlocks[pass];
+		std::vector<OutsideImpulse> carried;
 		for ( const OutsideRecord& outside : m_values.outside[pass] )
 		{
 			const btCollisionObject* const object = m_entries[std::size_t( outside.object )].object;
 			const SoftBody* const soft = SoftBody::upcast( object );
 			const bool isRigid = soft && soft->impl().rigidProxy;
-			carried.outside.push_back( OutsideImpulse{ isRigid ? soft->impl().rigidProxy.get() : object, outside.change } );
+			carried.push_back( OutsideImpulse{ isRigid ? soft->impl().rigidProxy.get() : object, outside.change } );
 		}
 		m_bodies.m_implicit[pass].carry( std::move( carried ) );
 	}

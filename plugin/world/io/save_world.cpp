@@ -50,7 +50,7 @@ void WorldSnapshot::OutsideRecord::archive( Archive& archive )
 
 void WorldSnapshot::Values::archive( Archive& archive )
 {
-	archive( serials, lengths.whole, lengths.substep, localTime, fixedStep, clock, nextAttachment, hadBlocks, outside, asleep );
+	archive( serials, lengths.whole, lengths.substep, localTime, fixedStep, clock, nextAttachment, outside, asleep );
 	archive.require( std::isfinite( lengths.whole ) && std::isfinite( lengths.substep ) && lengths.whole >= 0 && lengths.substep >= 0 &&
 			std::isfinite( localTime ) && std::isfinite( fixedStep ) && ( lengths.whole == 0 || lengths.substep > 0 ),
 		"A time of the world is not valid." );
@@ -164,9 +164,7 @@ void WorldSnapshot::collectValues()
 	m_values.nextAttachment = m_bodies.attachments.nextId();
 	for ( int pass = 0; pass < 2; ++pass )
 	{
-		const BlockSolve::Carried carried = m_bodies.m_implicit[pass].carried();
-		m_values.hadBlocks[pass] = carried.hadBlocks;
-		for ( const OutsideImpulse& outside : carried.outside )
+		for ( const OutsideImpulse& outside : m_bodies.m_implicit[pass].carried() )
 		{
 			int index = -1; // the object may have been deleted since
 			const auto& all = m_bodies.bodies();

@@ -82,7 +82,6 @@ private:
 		btScalar localTime = 0, fixedStep = 0;
 		double clock = 0.0; ///< SoftBodySystem's
 		int nextAttachment = 0;
-		bool hadBlocks[2] = {};
 		std::vector<OutsideRecord> outside[2];
 		std::vector<unsigned> asleep; ///< serials
 		void archive( Archive& archive );

@@ -141,7 +141,7 @@ void WorldStep::showPass()
 		for ( int side = 0; side < 2; ++side )
 		{
 			btCollisionObject& other = ownerOf( *objects[side] );
-			if ( isMember[side] || !isSubstep || !isDynamic( other ) )
+			if ( isMember[side] || !isSubstep || !SubstepGroup::canMove( other ) )
 			{
 				continue;
 			}

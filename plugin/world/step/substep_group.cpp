@@ -87,12 +87,15 @@ SweptBox boxOf( const SoftBody& body, const btVector3& gravity, btScalar step )
 	return box;
 }
 
-bool canMove( const btCollisionObject& object )
-{
-	return !object.isStaticOrKinematicObject();
-}
-
 } // namespace
+
+// A body in its rigid state that pins hold is like the ground: each pass solves the contacts of its own objects with it. If it took the
+// substeps of one object on it, another that rests on it would be in no pass with its contacts, and fall for that step.
+bool SubstepGroup::canMove( const btCollisionObject& object )
+{
+	const SoftBody* const soft = SoftBody::upcast( &object );
+	return !object.isStaticOrKinematicObject() && !( soft && soft->impl().rigidProxy && soft->impl().rigidProxy->isHeld() );
+}
 
 SubstepGroup::Box SubstepGroup::sweptBox( const btCollisionObject& object, const btVector3& gravity, btScalar step )
 {

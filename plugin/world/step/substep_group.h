@@ -36,6 +36,8 @@ public:
 	};
 	/// Returns the box that a moving object may sweep within a step of `step` seconds.
 	static Box sweptBox( const btCollisionObject& object, const btVector3& gravity, btScalar step );
+	/// False for objects that no contact moves: static and kinematic ones, and bodies in their rigid state that pins hold.
+	static bool canMove( const btCollisionObject& object );
 	/// Whether an object is inside its box in the broadphase.
 	static bool isInBox( const btCollisionObject& object );
 

@@ -205,6 +205,29 @@ TEST( HeldBodies, BodiesPinnedAtOneNodeSwingAndFallAsleep )
 	EXPECT_GT( rod->nodePosition( 0 ).x(), 0.1 );
 }
 
+// A soft cube that steps explicitly had drawn the shelf below it into its substeps. A crate beside the cube was then in no pass with its
+// contacts in every other step, fell for that step, and sank through the shelf.
+TEST( HeldBodies, CarryCratesBesideBodiesThatTakeSubsteps )
+{
+	TestWorld test;
+	SoftBody* const shelf = addShelf( test );
+	btRigidBody* const crate = test.addBox( 1, btVector3( 0.1f, 0.1f, 0.1f ), at( -0.3f, 1.2f, 0 ) );
+	SoftBody* const cube = test.addSoft( block( 3, 3, 3, 0.08f ), at( 0.1f, 1.22f, 0 ), test::stiff( 1e5f ) );
+	cube->setActivationState( DISABLE_DEACTIVATION );
+	crate->setActivationState( DISABLE_DEACTIVATION );
+	test.run( 300 );
+	ASSERT_TRUE( isHeld( *shelf ) );
+	const btScalar height = crate->getCenterOfMassPosition().y();
+	for ( int frame = 0; frame < 120; ++frame )
+	{
+		test.run( 1 );
+		ASSERT_TRUE( isHeld( *shelf ) );
+		ASSERT_GT( test.world.stepReport().substeps, 1 );
+		EXPECT_NEAR( crate->getLinearVelocity().y(), 0, 0.01 ) << frame;
+		EXPECT_NEAR( crate->getCenterOfMassPosition().y(), height, 1e-3 ) << frame;
+	}
+}
+
 TEST( HeldBodies, AreRestoredFromASnapshot )
 {
 	TestWorld test;
