@@ -82,18 +82,17 @@ void ImplicitMotion::begin(
 {
 	m_nodes = &nodes;
 	m_pull = pull.isOn() ? &pull : nullptr;
-	m_rates.prepare( matcher, nodes, runner );
-	measurePinned();
-	// Nodes in one point cannot rotate, for any inertia.
-	const auto least = [&]( double mass ) { return kLeastInertia * mass * step.secondMoment; };
-	raiseInertias( least, [&]( double mass ) { return least( mass ) / 3.0; } );
-	keepFreeMomentum();
-
 	// Volume keeping makes the response to compression 1 + 3 kappa times that to tension: that factor is applied everywhere, for stability.
 	const float elastic = step.alpha * ( 1.0f + 3.0f * step.volumeKeeping );
 	const float sigma = step.numericalDamping;
 	const float gamma = 0.5f * ( 1.0f + sigma );
 	m_stiffness = gamma * elastic + step.h * step.damping;
+	m_rates.prepare( matcher, nodes, runner, m_stiffness );
+	measurePinned();
+	// Nodes in one point cannot rotate, for any inertia.
+	const auto least = [&]( double mass ) { return kLeastInertia * mass * step.secondMoment; };
+	raiseInertias( least, [&]( double mass ) { return least( mass ) / 3.0; } );
+	keepFreeMomentum();
 	m_rolling = sigma > 0.0f ? double( sigma ) * freedomOfTurn( step.length ) : 0.0;
 	m_numericalPart = double( sigma * elastic / m_stiffness );
 	m_secondMoment = step.secondMoment;

@@ -78,6 +78,10 @@ inline constexpr double kGradientFraction = 1e-8;
 inline constexpr float kGradientSpeed = 1e-4f;
 inline constexpr int kMostGradients = 60;
 
+/// A region is taut where its second moment has grown by this over the root of G, the implicit step's stiffness: tension then swings modes
+/// that the body's bending hardly resists faster than a step can resolve.
+inline constexpr float kTautStretch = 1.5f;
+
 /// Bounds of Material's values, in the units documented there.
 inline constexpr float kLargestDensity = 1.0e6f;
 inline constexpr float kLargestBeta = 0.95f;

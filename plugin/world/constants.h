@@ -23,6 +23,8 @@ inline constexpr std::size_t kPositionsAhead = 12;
 
 /// Contacts are created at least this far before touch, in node radii, so that a resting contact does not flicker.
 inline constexpr btScalar kContactSlop = btScalar( 0.04 );
+/// Largest distance at which a node that pressed an object in the last substep keeps its contact, in node radii.
+inline constexpr double kMostPressedReach = 0.5;
 
 /// Spheres that miss a plane or box by more than this fraction of a radius are rejected early: rounding in a world 10 000 km wide.
 inline constexpr double kFarSlack = 1e-6;

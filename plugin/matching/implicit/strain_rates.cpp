@@ -1,5 +1,6 @@
 #include "matching/implicit/strain_rates.h"
 
+#include "matching/constants.h"
 #include "matching/step/lattice_matcher.h"
 #include "threads/parallel.h"
 
@@ -28,7 +29,7 @@ void overNodes( int padded, TaskRunner* runner, Kernel kernel )
 
 } // namespace
 
-void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner* runner )
+void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner* runner, float stiffness )
 {
 	const RegionTables& tables = matcher.tables();
 	m_kernels = &matcher.kernels();
@@ -41,6 +42,12 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 	centreFrames( nodes );
 	m_rates = RateView{};
 	m_rates.match = &m_view;
+	m_rates.tautMoment = stiffness > 0.0f ? 1.0f + kTautStretch / std::sqrt( stiffness ) : 0.0f;
+	const Eigen::Matrix3d frame = matcher.frame().toRotationMatrix();
+	for ( int k = 0; k < 9; ++k )
+	{
+		m_view.frameRotation[k] = float( frame( k / 3, k % 3 ) );
+	}
 	const bool hasOwnFractions = !tables.rateFraction.empty();
 	m_rates.regionFraction = hasOwnFractions ? tables.rateFraction.data() : m_view.regionWeight;
 	m_rates.pull = hasOwnFractions ? tables.ratePull.data() : m_view.pull;

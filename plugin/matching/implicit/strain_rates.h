@@ -7,12 +7,14 @@
 //
 // with the weights a, C of shape matching (region_moments.h). P_r projects onto the region's rigid motions at the current node positions,
 // so 1 - P is symmetric under the masses, positive semidefinite, and zero for rigid motions of the whole body: rotations are not braked,
-// and momentum is conserved. It is the derivative of the matching force for unstrained regions; the contribution of strain, which can make
-// the derivative indefinite, is left out. Rivers and James 2007, section 5, use the same projection for damping.
+// and momentum is conserved. Rivers and James 2007, section 5, use the same projection for damping. It is the derivative of the matching
+// force for unstrained regions. Of the contribution of strain only tension is added, where the step does not resolve it: T is raised, so
+// that a rotated region is pulled back (kernels/kernel_rates.h, raiseTaut). Compression, which can make the derivative indefinite, is left
+// out.
 //
 // A collinear region has no inertia about its line, and float precision does not resolve the small inertia of a slightly bent one: such T
-// are raised, so that P removes slightly less than a rigid motion. To stay symmetric, and zero for rigid motions of the whole body, the
-// operator is then ( 1 - Q ) ( 1 - P ) ( 1 - Q ), Q the projection onto those.
+// are raised too. Where any T is raised, P removes slightly less than a rigid motion. To stay symmetric, and zero for rigid motions of the
+// whole body, the operator is then ( 1 - Q ) ( 1 - P ) ( 1 - Q ), Q the projection onto those.
 //
 // Nodes on several levels: a region's energy is ( 1 - eta ) | n |^2 + | F - R |^2 in J_fine = J C, n the non-affine part of the motion
 // (level_tables.h). With g_r = b_r max( 1 - eta, largest stretch of C ) the operator is an upper bound of that, and equal to it for affine
@@ -53,8 +55,9 @@ class StrainRates
 {
 public:
 	/// Measures the centres and inertias of the regions from the current nodes and tables, using the matcher's records as scratch. Both
-	/// arguments must stay unchanged for as long as `resist` is called.
-	void prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner* runner );
+	/// arguments must stay unchanged for as long as `resist` is called. `stiffness`: the largest G with which it will be; regions that are
+	/// taut for that resist rotation. 0: none do.
+	void prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner* runner, float stiffness = 0.0f );
 
 	/// Uses the reference implementation from the next `prepare` on: rows on several levels summed one by one, boxes by records.
 	void sumRowByRow() { m_isRowByRow = true; }
@@ -70,7 +73,7 @@ public:
 	const ConnectedParts& parts() const { return *m_parts; }
 	/// The body, or one of its parts where it has several.
 	const WholePart& whole( int part = 0 ) const { return m_wholes[std::size_t( part )]; }
-	/// True where some region is nearly collinear: `resist` then takes two more passes over the nodes.
+	/// True where some region is nearly collinear or taut: `resist` then takes two more passes over the nodes.
 	bool hasThinRegions() const { return m_isRaised; }
 	std::size_t bytes() const;
 

@@ -12,6 +12,20 @@ struct Quat
 	V w, x, y, z;
 };
 
+inline Quat loadQuat( const MatchView& view, int r )
+{
+	return {
+		load( view.quaternion[0] + r ), load( view.quaternion[1] + r ), load( view.quaternion[2] + r ), load( view.quaternion[3] + r ) };
+}
+
+inline void storeQuat( const MatchView& view, int r, const Quat& q )
+{
+	store( view.quaternion[0] + r, q.w );
+	store( view.quaternion[1] + r, q.x );
+	store( view.quaternion[2] + r, q.y );
+	store( view.quaternion[3] + r, q.z );
+}
+
 /// R( q ) - 1 of a unit quaternion, accurate for small rotations: no terms of order 1 cancel.
 inline Mat rotationLessOne( const Quat& q )
 {

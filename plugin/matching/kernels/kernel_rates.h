@@ -14,6 +14,9 @@ constexpr float kPointInertia = 1e-4f;
 constexpr float kInertiaRounding = 4e-7f;
 /// An inertia below this multiple of that error also counts as thin.
 constexpr float kSafeInertia = 50.0f;
+/// Factor of the tension that is added to an inertia: at a stretch of a half the estimate by second moments falls short by a third, and a
+/// region that resists too much is only damped more.
+constexpr float kTautRaise = 2.0f;
 
 inline Vec placeOf( const MatchView& view, int i )
 {
@@ -133,7 +136,75 @@ inline void giveRates( const RateView& rates, bool isOfRegions, const Tile& tile
 	}
 }
 
-/// Computes each region's centre c and T^-1, T = sum a ( |p - c|^2 1 - ( p - c )( p - c )^T ). Returns whether any was thin and raised.
+inline V atLeast( V a, V b )
+{
+	return select( a < b, b, a );
+}
+
+/// The second moment of a region's rest shape, rotated as the region is, world axes.
+inline Mat turnedMoment( const MatchView& view, int r )
+{
+	Mat rest = loadSymmetric( view.moment, r );
+	if ( view.plastic[0] )
+	{
+		const Mat flow = loadMatrix( view.plastic, r ), half = timesTransposed( rest, flow ), whole = product( flow, half );
+		for ( int k = 0; k < 9; ++k )
+		{
+			rest.m[k / 3][k % 3] = half.m[k / 3][k % 3] + whole.m[k / 3][k % 3];
+		}
+	}
+	Mat frame, own = rotationLessOne( loadQuat( view, r ) ), moment;
+	for ( int k = 0; k < 9; ++k )
+	{
+		frame.m[k / 3][k % 3] = splat( view.frameRotation[k] );
+		own.m[k / 3][k % 3] = own.m[k / 3][k % 3] + ( k % 4 == 0 ? 1.0f : 0.0f );
+	}
+	const Mat rotation = product( frame, own ), right = product( rotation, rest );
+	for ( int k = 0; k < 9; ++k )
+	{
+		const V* const a = right.m[k / 3];
+		const V* const b = rotation.m[k % 3];
+		moment.m[k / 3][k % 3] = ( a[0] * b[0] + a[1] * b[1] ) + a[2] * b[2];
+	}
+	return moment;
+}
+
+// A region under tension resists rotation: along v = w x p its energy has the second derivative w . D w, and its rigid motions none. With J
+// the rest shape's second moment, rotated, and s the present one, the stretches being small,
+//
+//   D = tr E - E,   E = ( s - J ) / 2,   and   T' = T + D   gives   v . ( 1 - P ) v = w . D w
+//
+// D's negative part, of lateral contraction, is left out by a bound of its lowest eigenvalue: T' must not be below T. Returns whether any
+// region is taut enough to need it.
+inline bool raiseTaut( const RateView& rates, int r, const V ( &s )[6], V ( &t )[6] )
+{
+	const MatchView& view = *rates.match;
+	const V now = ( s[0] + s[1] ) + s[2];
+	const V before = ( load( view.moment[0] + r ) + load( view.moment[1] + r ) ) + load( view.moment[2] + r );
+	if ( rates.tautMoment == 0.0f || !any( now > before * rates.tautMoment ) )
+	{
+		return false;
+	}
+	const Mat rest = turnedMoment( view, r );
+	const I isTaut = now > ( ( rest.m[0][0] + rest.m[1][1] ) + rest.m[2][2] ) * rates.tautMoment;
+	V e[6];
+	for ( int k = 0; k < 6; ++k )
+	{
+		const int i = k < 3 ? k : ( k == 3 ? 1 : 0 ), j = k < 3 ? k : ( k == 5 ? 1 : 2 );
+		e[k] = ( s[k] - rest.m[i][j] ) * ( 0.5f * kTautRaise );
+	}
+	V d[6] = { e[1] + e[2], e[0] + e[2], e[0] + e[1], -e[3], -e[4], -e[5] };
+	const V yz = atLeast( d[3], -d[3] ), xz = atLeast( d[4], -d[4] ), xy = atLeast( d[5], -d[5] );
+	const V lack = atLeast( atLeast( ( xz + xy ) - d[0], ( yz + xy ) - d[1] ), atLeast( ( yz + xz ) - d[2], V{} ) );
+	for ( int k = 0; k < 6; ++k )
+	{
+		t[k] = t[k] + select( isTaut, k < 3 ? d[k] + lack : d[k], V{} );
+	}
+	return any( isTaut );
+}
+
+/// Computes each region's centre c and T^-1, T = sum a ( |p - c|^2 1 - ( p - c )( p - c )^T ). Returns whether any was thin or taut, and
+/// raised.
 bool regionInertias( const RateView& rates, int begin, int end )
 {
 	const MatchView& view = *rates.match;
@@ -164,6 +235,7 @@ bool regionInertias( const RateView& rates, int begin, int end )
 				t[k] = t[k] + raised;
 				store( rates.regionCentre[k] + r, c[k] );
 			}
+			isRaised = raiseTaut( rates, r, s, t ) || isRaised;
 			invertSymmetric( t );
 			for ( int k = 0; k < 6; ++k )
 			{

@@ -165,20 +165,6 @@ void boxPlaneHalf( const MatchView& view, float* records, int z )
 	boxPlaneOfSize<Half>( view, records, z );
 }
 
-inline Quat loadQuat( const MatchView& view, int r )
-{
-	return {
-		load( view.quaternion[0] + r ), load( view.quaternion[1] + r ), load( view.quaternion[2] + r ), load( view.quaternion[3] + r ) };
-}
-
-inline void storeQuat( const MatchView& view, int r, const Quat& q )
-{
-	store( view.quaternion[0] + r, q.w );
-	store( view.quaternion[1] + r, q.x );
-	store( view.quaternion[2] + r, q.y );
-	store( view.quaternion[3] + r, q.z );
-}
-
 int fitRegions( const MatchView& view, int begin, int end, std::uint32_t* open )
 {
 	Tile in, out;

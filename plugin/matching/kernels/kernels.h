@@ -145,8 +145,9 @@ struct RateView
 	FlatRows flat;                         ///< of a lattice that fills its grid
 	const float* rate[3] = {};             ///< v
 	float* result[3] = {};
-	float stiffness = 0.0f; ///< G
-	float shift[3] = {};    ///< a rigid motion removed from v before summing
+	float stiffness = 0.0f;  ///< G
+	float tautMoment = 0.0f; ///< regions whose second moment has grown by this factor resist rotation; 0: none
+	float shift[3] = {};     ///< a rigid motion removed from v before summing
 	float turn[3] = {};
 };
 

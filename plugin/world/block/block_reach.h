@@ -47,7 +47,7 @@ private:
 	}
 
 	std::uint64_t m_step = 2, m_last = 0; ///< the present step, and the last one in which any was added
-	std::vector<std::uint64_t> m_added; ///< by slot: the last step; empty before the first one
+	std::vector<std::uint64_t> m_added;   ///< by slot: the last step; empty before the first one
 };
 
 class BlockReach

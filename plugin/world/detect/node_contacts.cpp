@@ -150,6 +150,7 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 		return;
 	}
 	const btCollisionObjectWrapper& other = soft0 ? body1 : body0;
+	otherSoft ? void() : notePressed( *soft, step );
 	std::vector<NodeHit>& hits = otherSoft ? m_scratch.search.againstSoft( *soft, *otherSoft, step )
 										   : m_scratch.search.againstRigid( *soft, other, step );
 	m_parting.follow( *soft, *other.getCollisionObject(), otherSoft, m_isNew, step, hits );

@@ -99,6 +99,8 @@ private:
 	};
 
 	void process( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step );
+	/// Lists the nodes that pressed the other, rigid, object in the last substep for the next search.
+	void notePressed( const SoftBody& soft, double step );
 	void enlist();
 	static Pair pairOf( const btCollisionObject& first, const btCollisionObject& second );
 	void carryOver( const Carried& from, const Pair& pair );

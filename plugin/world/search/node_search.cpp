@@ -86,7 +86,14 @@ std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCo
 	obstacle.shape = other.getCollisionShape();
 	obstacle.basis = toMatrix3d( other.getWorldTransform().getBasis() );
 	obstacle.position = toVec3d( other.getWorldTransform().getOrigin() ) - origin;
+	m_pressedReach = 0.0;
+	for ( const Pressed& pressed : m_pressed )
+	{
+		m_pressedReach = std::max( m_pressedReach, pressed.reach );
+	}
 	visitParts( obstacle, [this]( const Obstacle& part ) { visit( part ); } );
+	m_pressed.clear();
+	m_pressedReach = 0.0;
 	applyAllowances( soft, nullptr );
 	if ( other.getCollisionObject()->getCollisionFlags() & btCollisionObject::CF_CHARACTER_OBJECT )
 	{
@@ -120,7 +127,7 @@ void NodeSearch::visit( const Obstacle& obstacle )
 NodeSearch::Spheres::Spheres( const NodeSearch& search ) :
 	m_nodes( search.m_soft->impl().body->nodes() ), m_shape( *search.m_soft->impl().shape ), m_motion( search.m_motion ),
 	m_step( search.m_step ), m_isStill( search.m_motion.isStill() ), m_velocityBefore( search.m_soft->impl().body->velocityBefore() ),
-	m_unforcedMotion( search.m_unforcedMotion )
+	m_unforcedMotion( search.m_unforcedMotion ), m_pressed( search.m_pressed )
 {}
 
 inline MovingSphere NodeSearch::Spheres::of( int node ) const
@@ -134,6 +141,12 @@ inline MovingSphere NodeSearch::Spheres::of( int node ) const
 	{
 		sphere.displacement -= m_motion.displacement( sphere.centre, m_step );
 	}
+	if ( !m_pressed.empty() )
+	{
+		const auto own = std::lower_bound(
+			m_pressed.begin(), m_pressed.end(), node, []( const Pressed& pressed, int at ) { return pressed.node < at; } );
+		sphere.pressedReach = own != m_pressed.end() && own->node == node ? own->reach : 0.0;
+	}
 	return sphere;
 }
 
@@ -145,7 +158,7 @@ inline Ahead NodeSearch::Spheres::ahead( int node ) const
 
 double NodeSearch::overhang() const
 {
-	return m_surface ? m_surface->overhang() : 0.0;
+	return ( m_surface ? m_surface->overhang() : 0.0 ) + m_pressedReach;
 }
 
 // Tests the patch in front of a node, or the node's own sphere where the patch does not face the obstacle.

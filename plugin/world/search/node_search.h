@@ -43,6 +43,14 @@ public:
 		double allowance = 0.0;   ///< m, their penetration of the ground: their sweeps stop there
 		double gameStep = 0.0;    ///< s, in which characters push objects out
 	};
+	/// A node that pressed the other object in the last substep.
+	struct Pressed
+	{
+		int node = 0;
+		double reach = 0.0; ///< how far from the object it still counts as touching, m
+	};
+	/// For the next search against a rigid object: ascending by node. Cleared by the search.
+	std::vector<Pressed>& pressed() { return m_pressed; }
 	void setCharacters( const Characters& characters ) { m_characters = characters; }
 	std::vector<NodeHit>& againstRigid( const SoftBody& soft, const btCollisionObjectWrapper& other, double step );
 	/// Normals point from `b` to `a`.
@@ -65,6 +73,7 @@ private:
 		bool m_isStill;
 		const Vec3Array& m_velocityBefore;
 		const ObstacleMotion& m_unforcedMotion;
+		const std::vector<Pressed>& m_pressed;
 	};
 
 	void visit( const Obstacle& part );
@@ -78,7 +87,7 @@ private:
 	void touchMarked( const Obstacle& obstacle, btScalar size, const Find& find );
 	void noteNearby( int node, btScalar size ) const;
 	btVector3 cornerReach() const;
-	double overhang() const; ///< of the contact surface, m
+	double overhang() const; ///< how far a touch may lie outside of the spheres, m
 	template <class Find>
 	void foresee( int node, const Find& find ) const;
 	template <class Find>
@@ -89,6 +98,8 @@ private:
 	void sortHits();
 
 	Characters m_characters;
+	std::vector<Pressed> m_pressed;
+	double m_pressedReach = 0.0; ///< the largest of them
 	const SoftBody* m_soft = nullptr;
 	const ContactSurface* m_surface = nullptr; ///< null: the body is met in its nodes' own spheres
 	double m_step = 0.0;

@@ -188,7 +188,7 @@ PatchAnswer findPatchTouch( const ContactSurface::Patch& patch, double cellSize,
 			inwards = most / sine;
 			continue;
 		}
-		const bool touchesNow = touch.distance <= inwards + patch.height + kContactSlop * own.radius;
+		const bool touchesNow = touch.distance <= inwards + patch.height + kContactSlop * own.radius + own.pressedReach;
 		if ( !touchesNow && own.isFast() )
 		{
 			const PatchAnswer swept = sweepPatch( patch, inwards, most, own, find, touch );

@@ -40,11 +40,15 @@ struct MovingSphere
 	Vec3d displacement = Vec3d::Zero(); ///< of the node relative to the obstacle in this step, m
 	double radius = 0.0;                ///< m
 	const btSphereShape* shape = nullptr;
-	double scale = 0.0; ///< m, length scale of slack and of fast motion; 0: the radius
+	double scale = 0.0;        ///< m, length scale of slack and of fast motion; 0: the radius
+	double pressedReach = 0.0; ///< m, how far from the obstacle a node still touches that pressed it in the last substep
 
 	double lengthScale() const { return scale > 0.0 ? scale : radius; }
 	/// Distance of the centre up to which the sphere counts as touching.
-	double touchDistance() const { return scale > 0.0 ? radius + kContactSlop * scale : radius * ( 1.0 + kContactSlop ); }
+	double touchDistance() const
+	{
+		return ( scale > 0.0 ? radius + kContactSlop * scale : radius * ( 1.0 + kContactSlop ) ) + pressedReach;
+	}
 	/// The nearest touch counts where the sphere touches it, nearly touches it, or reaches it in this step.
 	bool reaches( const Vec3d& normal, double distance ) const
 	{
