@@ -397,9 +397,9 @@ TEST_P( Grounds, TwoFingersLiftASoftBall )
 		fingers[f]->setActivationState( DISABLE_DEACTIVATION );
 		fingers[f]->setFriction( 1 ); // Bullet multiplies: .8
 	}
-	for ( int k = 1; k <= 300; ++k )
+	for ( int k = 1; k <= 3600; ++k )
 	{
-		// Closed by 5 mm each within a second, lifted by .2 m within two, then held.
+		// Closed by 5 mm each within a second, lifted by .2 m within two, then held for a minute.
 		const btScalar gap = btScalar( 0.04 ) - btScalar( 0.015 ) * btMin( btScalar( 1 ), btScalar( k ) / 60 );
 		const btScalar lift = btScalar( 0.2 ) * btMin( btScalar( 1 ), btMax( btScalar( 0 ), btScalar( k - 90 ) / 120 ) );
 		for ( int f = 0; f < 2; ++f )
