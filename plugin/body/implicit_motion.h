@@ -69,6 +69,9 @@ public:
 	bool hasHeldNodes() const { return m_hasHeldNodes; }
 	/// Whether the body turns freely and is damped numerically, from 0 to 1: what a step takes from its rotation may be returned then.
 	double rolling() const { return m_rolling; }
+	/// Returns 0 for a body that rocks at rest, 1 for one that turns freely at the angular velocity `turn`, rad/s; smooth between the two.
+	/// `length`: of the rest shape, m. Bodies that are held, or in several parts, do not roll.
+	double freedomOfTurn( const Eigen::Vector3d& turn, double length ) const;
 	/// The part sigma alpha ( 1 + 3 kappa ) / G of the operator's resistance that is numerical damping.
 	double numericalPart() const { return m_numericalPart; }
 
@@ -109,7 +112,6 @@ public:
 private:
 	void measurePinned();
 	void keepFreeMomentum();
-	double freedomOfTurn( double length ) const;
 	float gainOf( int node ) const { return m_pull ? m_pull->gain[std::size_t( node )] : 0.0f; }
 	void measureArms();
 	void addPinned( Matrix12& matrix, int part ) const;

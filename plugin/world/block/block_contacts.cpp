@@ -186,11 +186,11 @@ double slopOf( const BlockContact& contact, const btCollisionObject* const ( &ob
 /// it bounces off the velocity at the start of the substep (block_restitution.cpp). `approach`: approach speed without contacts and
 /// elasticity, m/s. `rollingLag`, m/s, is added. Penetrations to `slop`, m, remain.
 void setTarget(
-	BlockContact& contact, const btContactSolverInfo& info, double approach, double rollingLag, double slop, const IslandBlock& block )
+	BlockContact& contact, const btContactSolverInfo& info, double approach, double rollingLag, double slop, IslandBlock& block )
 {
 	const btManifoldPoint& point = *contact.point;
 	const double h = double( info.m_timeStep ), gap = double( point.m_distance1 );
-	contact.targetWithoutBounce = gap > 0.0 ? -gap / h
+	contact.targetWithoutBounce = gap > 0.0 ? -( gap + block.landingDepth( contact, gap ) ) / h
 											: std::min( std::max( -gap - slop, 0.0 ) * double( info.m_erp2 ) / h, kPushOutSpeed );
 	contact.targetWithoutBounce += rollingLag;
 	contact.target = contact.targetWithoutBounce;

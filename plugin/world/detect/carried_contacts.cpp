@@ -52,17 +52,16 @@ void PairContacts::carryOver( const Carried& from, const Pair& pair )
 	}
 }
 
-// A body that steps implicitly may be held off by an object that it presses, by more than a contact's slack: a taut band by a peg that has
-// moved and stops. Its elasticity, of which its velocities tell nothing, then brings it back within the substep. So nodes that pressed
+// A node may be off the object that it presses by more than a contact's slack: at the rear of a rolling ball, or where a peg stops that a
+// taut band is ahead of. Its elasticity, of which its velocity tells nothing, may bring it back within the substep. So nodes that pressed
 // keep their contacts while they are no farther away than the impulse would have moved them.
 void PairContacts::notePressed( const SoftBody& soft, double step )
 {
 	std::vector<NodeSearch::Pressed>& pressed = m_scratch.search.pressed();
 	pressed.clear();
 	const NodeState& nodes = soft.impl().body->nodes();
-	for ( std::size_t k = 0; soft.impl().isImplicit && k < m_contacts.size(); ++k )
+	for ( const NodeContact& contact : m_contacts )
 	{
-		const NodeContact& contact = m_contacts[k];
 		const int node = contact.first->node;
 		double impulse = 0.0; // N s
 		for ( int p = 0; p < contact.manifold->getNumContacts(); ++p )

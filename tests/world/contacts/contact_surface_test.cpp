@@ -68,12 +68,12 @@ TEST( ContactSurface, CarriesMarblesSmallerThanTheGapsBetweenNodes )
 }
 
 /// Returns the speed after four seconds of a ball that starts sliding at 2 m/s, friction 0.8; a rigid one's is 10 / 7.
-double rolled( bool isDrawn, Elasticity elasticity = Elasticity::Implicit )
+double rolled( bool isDrawn, Elasticity elasticity, float modulus )
 {
 	TestWorld t;
 	t.addPlane()->setFriction( btScalar( 0.8 ) );
 	SoftBody* const soft = t.addSoft(
-		templateOf( test::makeSphere( 0.4, 40, 80 ), 0.06f, isDrawn ), at( 0, btScalar( 0.4 ), 0 ), implicit( 1e6f, 0.0f, elasticity ) );
+		templateOf( test::makeSphere( 0.4, 40, 80 ), 0.06f, isDrawn ), at( 0, btScalar( 0.4 ), 0 ), implicit( modulus, 0.0f, elasticity ) );
 	soft->setFriction( btScalar( 0.8 ) );
 	soft->setActivationState( DISABLE_DEACTIVATION );
 	EXPECT_TRUE( soft->setVelocities( btVector3( 2, 0, 0 ), btVector3( 0, 0, 0 ) ).ok() );
@@ -81,14 +81,22 @@ double rolled( bool isDrawn, Elasticity elasticity = Elasticity::Implicit )
 	return double( soft->linearVelocity().x() );
 }
 
-// At a step of a sixtieth the ball kept .89 of 1.43 m/s on its nodes' spheres, and in the explicit step 1.13.
+// At a step of a sixtieth the ball kept .89 of 1.43 m/s on its nodes' spheres, and in the explicit step 1.13. On the drawn surface it kept
+// 1.28 in either step while nodes at its rear lost their contacts too soon.
 TEST( ContactSurface, BallsRollOn )
 {
-	const double drawn = rolled( true ), balls = rolled( false ), steps = rolled( true, Elasticity::Explicit );
-	std::printf( "rolls on at %.3f m/s, on its nodes' balls at %.3f; explicitly at %.3f\n", drawn, balls, steps );
-	EXPECT_GT( steps, 0.88 * 10.0 / 7.0 );
-	EXPECT_GT( drawn, 0.88 * 10.0 / 7.0 );
-	EXPECT_GT( balls, 0.88 * 10.0 / 7.0 );
+	constexpr double kRigid = 10.0 / 7.0;
+	for ( const bool isDrawn : { false, true } )
+	{
+		for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+		{
+			const double stiff = rolled( isDrawn, elasticity, 1e6f ), flat = rolled( isDrawn, elasticity, 2e5f );
+			std::printf( "%s, %s: rolls on at %.3f m/s with 1e6 Pa, %.3f with 2e5\n", isDrawn ? "drawn" : "spheres",
+				elasticity == Elasticity::Explicit ? "explicit" : "implicit", stiff, flat );
+			EXPECT_GT( stiff, ( isDrawn || elasticity == Elasticity::Implicit ? 0.95 : 0.86 ) * kRigid );
+			EXPECT_GT( flat, 0.75 * kRigid );
+		}
+	}
 }
 
 // Nodes share a point by weights that conserve force and torque: two balls in an oblique collision, and a rigid cube that hits one (other
