@@ -2,14 +2,17 @@
 
 #include "matching/implicit/strain_rates.h"
 #include "matching/step/lattice_matcher.h"
+#include "support/block_body.h"
 #include "support/block_lattice.h"
 #include "support/explicit_material.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdio>
+#include <memory>
+#include <vector>
 
 namespace pliant {
 namespace {

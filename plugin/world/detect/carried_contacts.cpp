@@ -1,7 +1,12 @@
-// The data that one collision phase passes to the next, in snapshots.
+// The data that one collision phase passes to the next: all of it, in snapshots, and the nodes that pressed, for the search.
 
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 #include "world/detect/node_contacts.h"
+
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+#include <algorithm>
 
 namespace pliant {
 
