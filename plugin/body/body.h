@@ -212,7 +212,6 @@ public:
 	// The implicit substep (docs/design/implicit.md) replaces these two: pushImplicitly, [contacts, linear solve], integrate.
 	/// True where the body's regions can be linearised: Method::Lattice with conserving weights and no far levels.
 	bool canStepImplicitly() const;
-	double restLength() const { return m_restLength; } ///< m, longest edge of the rest shape's box
 	/// Returns true if nothing in it deforms: a single node, or a small piece of SmallPieces::Rigid.
 	bool isInelastic() const;
 	/// The same with the reason.

@@ -63,14 +63,17 @@ void ImplicitMotion::keepFreeMomentum()
 	}
 }
 
-double ImplicitMotion::freedomOfTurn( const Vec3d& turn, double length ) const
+/// Returns 0 for a body that rocks at rest, 1 for one that turns freely; smooth between the two. Bodies that are held, or in several parts,
+/// do not roll.
+double ImplicitMotion::freedomOfTurn( double length ) const
 {
 	if ( m_hasHeldNodes || parts().areSeveral() )
 	{
 		return 0.0;
 	}
-	const double square = turn.squaredNorm() * length / kStandardGravity;
-	const double above = std::clamp( ( square - kRockingTurn ) / ( kFreeTurn - kRockingTurn ), 0.0, 1.0 );
+	const Vector6 motion = rigidMotion( m_freeMomentum[0] );
+	const double turn = motion.tail<3>().squaredNorm() * length / kStandardGravity;
+	const double above = std::clamp( ( turn - kRockingTurn ) / ( kFreeTurn - kRockingTurn ), 0.0, 1.0 );
 	return above * above * ( 3.0 - 2.0 * above );
 }
 
@@ -90,7 +93,8 @@ void ImplicitMotion::begin(
 	const auto least = [&]( double mass ) { return kLeastInertia * mass * step.secondMoment; };
 	raiseInertias( least, [&]( double mass ) { return least( mass ) / 3.0; } );
 	keepFreeMomentum();
-	m_rolling = sigma > 0.0f ? double( sigma ) * freedomOfTurn( rigidMotion( m_freeMomentum[0] ).tail<3>(), step.length ) : 0.0;
+	m_turnFreedom = freedomOfTurn( step.length );
+	m_rolling = double( sigma ) * m_turnFreedom;
 	m_numericalPart = double( sigma * elastic / m_stiffness );
 	m_secondMoment = step.secondMoment;
 	measureArms();
@@ -126,7 +130,7 @@ void ImplicitMotion::beginFree( NodeState& nodes )
 	m_nodes = &nodes;
 	m_pull = nullptr; // an explicit body's nodes have been drawn already
 	m_stiffness = 0.0f;
-	m_rolling = 0.0;
+	m_rolling = m_turnFreedom = 0.0;
 }
 
 void ImplicitMotion::measureRigid( NodeState& nodes, const ConnectedParts* parts )

@@ -69,9 +69,8 @@ public:
 	bool hasHeldNodes() const { return m_hasHeldNodes; }
 	/// Whether the body turns freely and is damped numerically, from 0 to 1: what a step takes from its rotation may be returned then.
 	double rolling() const { return m_rolling; }
-	/// Returns 0 for a body that rocks at rest, 1 for one that turns freely at the angular velocity `turn`, rad/s; smooth between the two.
-	/// `length`: of the rest shape, m. Bodies that are held, or in several parts, do not roll.
-	double freedomOfTurn( const Eigen::Vector3d& turn, double length ) const;
+	/// Whether the body turns freely, from 0 (it rocks at rest, is held or in several parts) to 1.
+	double turnFreedom() const { return m_turnFreedom; }
 	/// The part sigma alpha ( 1 + 3 kappa ) / G of the operator's resistance that is numerical damping.
 	double numericalPart() const { return m_numericalPart; }
 
@@ -112,6 +111,7 @@ public:
 private:
 	void measurePinned();
 	void keepFreeMomentum();
+	double freedomOfTurn( double length ) const;
 	float gainOf( int node ) const { return m_pull ? m_pull->gain[std::size_t( node )] : 0.0f; }
 	void measureArms();
 	void addPinned( Matrix12& matrix, int part ) const;
@@ -127,7 +127,7 @@ private:
 	double m_secondMoment = 0.0; ///< of a full region, per axis and mass, m^2
 	float m_stiffness = 0.0f;    ///< G
 	bool m_hasHeldNodes = false;
-	double m_rolling = 0.0, m_numericalPart = 0.0;
+	double m_turnFreedom = 0.0, m_rolling = 0.0, m_numericalPart = 0.0;
 	std::vector<char> m_isHeld;              ///< of each part
 	std::vector<Vector6> m_freeMomentum;     ///< of each part with the velocities of free flight, v*
 	std::vector<Eigen::Matrix3d> m_inertias; ///< of each part, kg m^2; with a minimum

@@ -25,9 +25,8 @@ inline constexpr std::size_t kPositionsAhead = 12;
 inline constexpr btScalar kContactSlop = btScalar( 0.04 );
 /// Largest distance at which a node that pressed an object in the last substep keeps its contact, in node radii.
 inline constexpr double kMostPressedReach = 0.5;
-/// Largest depth to which nodes of rolling bodies land, in node radii, and the mean square velocity, over length times g, below which a
-/// body does not roll: its rotation need not be measured.
-inline constexpr double kLandingDepth = 0.13, kLandingSpeed = 0.002;
+/// Largest depth to which nodes of rolling bodies land, in node radii.
+inline constexpr double kLandingDepth = 0.13;
 
 /// Spheres that miss a plane or box by more than this fraction of a radius are rejected early: rounding in a world 10 000 km wide.
 inline constexpr double kFarSlack = 1e-6;

@@ -250,7 +250,7 @@ TEST( StrainRates, KnowWhoHasThinRegions )
 {
 	for ( const Case& c : cases() )
 	{
-		EXPECT_EQ( Operator( c ).rates.hasThinRegions(), isLine( c ) )
+		EXPECT_EQ( Operator( c ).rates.hasRaisedRegions(), isLine( c ) )
 			<< c.lattice.cellCount() << " w " << c.halfWidth; // other bodies have no cost
 	}
 }

@@ -74,7 +74,7 @@ public:
 	/// The body, or one of its parts where it has several.
 	const WholePart& whole( int part = 0 ) const { return m_wholes[std::size_t( part )]; }
 	/// True where some region is nearly collinear or taut: `resist` then takes two more passes over the nodes.
-	bool hasThinRegions() const { return m_isRaised; }
+	bool hasRaisedRegions() const { return m_isRaised; }
 	std::size_t bytes() const;
 
 private:

@@ -128,23 +128,16 @@ double IslandBlock::rollingLag( const BlockContact& contact, double h )
 // A node of a rolling body that lands within a step is stopped at the surface at its end, on average half a step too early: this presses
 // the front of the body and brakes the rotation. So it may end as deep as it was apart. Contacts on the drawn surface, and explicit
 // substeps, do not need it.
-double IslandBlock::landingDepth( const BlockContact& contact, double gap )
+double IslandBlock::landingDepth( const BlockContact& contact, double gap ) const
 {
 	double depth = 0.0;
 	for ( const ContactSide& side : contact.side )
 	{
-		if ( side.soft < 0 || contact.isDrawn )
+		if ( side.soft >= 0 && !contact.isDrawn )
 		{
-			continue;
-		}
-		SoftPart& part = soft[std::size_t( side.soft )];
-		const SoftBody::Impl& impl = part.owner->impl();
-		const double length = impl.body->restLength();
-		if ( impl.isImplicit && impl.meanSquareSpeed > kLandingSpeed * length * double( kStandardGravity ) )
-		{
-			const double freedom = wholeOf( part ).freedomOfTurn( angularVelocityOf( side ), length );
-			depth = std::max(
-				depth, freedom * std::min( gap, kLandingDepth * double( impl.shape->sphereOfNode( side.node )->getRadius() ) ) );
+			const SoftPart& part = soft[std::size_t( side.soft )];
+			const double most = kLandingDepth * double( part.owner->impl().shape->sphereOfNode( side.node )->getRadius() );
+			depth = std::max( depth, part.motion->turnFreedom() * std::min( gap, most ) );
 		}
 	}
 	return depth;

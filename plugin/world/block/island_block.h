@@ -147,7 +147,8 @@ public:
 	/// radius R and angular velocity w comes ( h w )^2 R / 2 nearer to the ground than its touching point does. Without this correction a
 	/// rolling body sinks and is lifted again, which costs energy.
 	double rollingLag( const BlockContact& contact, double h );
-	double landingDepth( const BlockContact& contact, double gap );
+	/// Returns how deep a contact that is `gap`, m, apart may end the substep, m.
+	double landingDepth( const BlockContact& contact, double gap ) const;
 	/// Returns the momentum and the angular momentum that a link has through its multibody's motion; `velocity( part )` gives that of a
 	/// part.
 	template <class Velocity>

@@ -3,8 +3,7 @@
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/detect/node_contacts.h"
-
-#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+#include "world/rigid/rigid_load.h"
 
 #include <algorithm>
 
@@ -68,11 +67,7 @@ void PairContacts::notePressed( const SoftBody& soft, double step )
 	for ( const NodeContact& contact : m_contacts )
 	{
 		const int node = contact.first->node;
-		double impulse = 0.0; // N s
-		for ( int p = 0; p < contact.manifold->getNumContacts(); ++p )
-		{
-			impulse += double( contact.manifold->getContactPoint( p ).m_appliedImpulse );
-		}
+		const double impulse = impulseOf( *contact.manifold );
 		if ( impulse > 0.0 && ( pressed.empty() || pressed.back().node != node ) )
 		{
 			const double most = kMostPressedReach * double( contact.first->radius() );

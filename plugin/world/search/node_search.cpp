@@ -86,7 +86,6 @@ std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCo
 	obstacle.shape = other.getCollisionShape();
 	obstacle.basis = toMatrix3d( other.getWorldTransform().getBasis() );
 	obstacle.position = toVec3d( other.getWorldTransform().getOrigin() ) - origin;
-	m_pressedReach = 0.0;
 	for ( const Pressed& pressed : m_pressed )
 	{
 		m_pressedReach = std::max( m_pressedReach, pressed.reach );

@@ -99,7 +99,7 @@ private:
 
 	Characters m_characters;
 	std::vector<Pressed> m_pressed;
-	double m_pressedReach = 0.0; ///< the largest of them
+	double m_pressedReach = 0.0; ///< the largest of them; 0 between searches
 	const SoftBody* m_soft = nullptr;
 	const ContactSurface* m_surface = nullptr; ///< null: the body is met in its nodes' own spheres
 	double m_step = 0.0;

@@ -36,16 +36,22 @@ TEST( BreakingDrops, LevelsHardlyReduceBreaking )
 	}
 }
 
+/// Nothing breaks by itself; what is cut off with up to eight cells is rigid.
+Fracture rigidCrumbs()
+{
+	Fracture fracture;
+	fracture.smallCells = 8;
+	fracture.smallPieces = SmallPieces::Rigid;
+	return fracture;
+}
+
 // The pieces stepped explicitly with the implicit body's unbounded alpha until the next step, and flew apart at 1e5 m/s.
 TEST( BreakingDrops, SmallRigidPiecesOfImplicitBodiesComeOffAtRest )
 {
 	test::TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
 	SoftBody* const body = test.addSoft( test::block( 4, 4, 4, 0.1f ), test::at( 0, 0, 0 ), test::implicit( 1e8f ) );
-	Fracture fracture;
-	fracture.smallCells = 8;
-	fracture.smallPieces = SmallPieces::Rigid;
-	ASSERT_TRUE( body->setFracture( fracture ).ok() );
+	ASSERT_TRUE( body->setFracture( rigidCrumbs() ).ok() );
 	test.run( 5 );
 	ASSERT_TRUE( body->applyCentralImpulse( body->mass() * btVector3( 1, 0, 0 ) ).ok() );
 	ASSERT_TRUE( body->applyImpulse( btVector3( 0, 1, 0 ), 0 ).ok() ); // strains the corner
@@ -78,10 +84,7 @@ TEST( BreakingDrops, SmallRigidPiecesOfImplicitBodiesNeedNoSubsteps )
 			test.world.setGravity( btVector3( 0, 0, 0 ) );
 		}
 		SoftBody* const body = test.addSoft( test::block( 6, 2, 2, 0.1f ), test::at( 0, 1, 0 ), test::implicit( 1e6f ) );
-		Fracture fracture;
-		fracture.smallCells = 8;
-		fracture.smallPieces = SmallPieces::Rigid;
-		ASSERT_TRUE( body->setFracture( fracture ).ok() );
+		ASSERT_TRUE( body->setFracture( rigidCrumbs() ).ok() );
 		ASSERT_TRUE( body->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, 3, 9 ) ).ok() );
 		ASSERT_GT( body->cutPlane( btVector3( btScalar( 0.1 ), 1, 0 ), btVector3( 1, 0, 0 ) ), 0 );
 		test.run( 1 );
