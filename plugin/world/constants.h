@@ -193,7 +193,7 @@ inline constexpr int kMostPasses = 4;
 /// to rest none needs more, while it is thrown together half of them do. From the sixth sweep on changes are enlarged by the factor: a node
 /// between two bodies needs 60 sweeps otherwise.
 inline constexpr int kMostSweeps = 40, kPlainSweeps = 5;
-inline constexpr double kSweepRelaxation = 1.2;
+inline constexpr double kSweepRelaxation = 1.35;
 /// Limit of passes where contacts would still pull, or rub by kLargestFrictionTorque times their limits, which can add energy: most impacts
 /// settle in 8 passes, the hardest of 600 in 49.
 inline constexpr int kMostHardPasses = 60;

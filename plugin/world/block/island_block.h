@@ -282,6 +282,8 @@ private:
 	/// Sweeps from the last impulses; sets m_v and the impulses, and returns true if these are accurate.
 	bool sweepContacts( BlockCount& count );
 	void listSwept();
+	ContactSweeps::Side sweptSide( const ContactSide& side );
+	void readSwept();
 	/// Returns true if the impulses at m_next are accurate enough to stop after `passes` passes.
 	bool mayStop( int passes );
 	/// Starts the iteration at m_next: adds the linearised contacts to the residual without contacts, b - A v.

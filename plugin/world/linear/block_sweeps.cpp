@@ -45,45 +45,86 @@ bool IslandBlock::canSweep() const
 // The velocities without contacts, and the contacts with their impulses so far.
 void IslandBlock::listSwept()
 {
-	m_sweeps.v.assign( std::size_t( m_size ), 0.0 );
-	m_sweeps.rigid.clear();
-	m_sweeps.contacts.clear();
+	m_sweeps.clear();
 	for ( const SoftPart& part : soft )
 	{
-		const Vec3Array& free = part.motion->nodes().v;
-		const AlignedArray<float>* const from[3] = { &free.x, &free.y, &free.z };
-		for ( int k = 0; k < 3; ++k )
+		m_sweeps.firstNode.push_back( int( m_sweeps.v.size() ) );
+		const NodeState& nodes = part.motion->nodes();
+		for ( int i = 0; i < nodes.count; ++i )
 		{
-			std::copy_n( from[k]->begin(), part.motion->nodes().count, m_sweeps.v.begin() + part.offset + k * part.motion->padded() );
+			m_sweeps.v.push_back( ContactSweeps::padded( nodes.v.get( i ).cast<double>() ) );
 		}
 	}
 	for ( const RigidPart& part : rigid )
 	{
 		m_sweeps.rigid.push_back( responseOf( part ) );
-		Eigen::Map<Vector6>( m_sweeps.v.data() + part.offset ) = part.freeVelocity;
+		m_sweeps.rigid.back().at = int( m_sweeps.v.size() );
+		m_sweeps.v.push_back( ContactSweeps::padded( part.freeVelocity.head<3>() ) );
+		m_sweeps.v.push_back( ContactSweeps::padded( part.freeVelocity.tail<3>() ) );
 	}
 	for ( const BlockContact& contact : contacts )
 	{
 		ContactSweeps::Contact& own = m_sweeps.contacts.emplace_back();
 		for ( int k = 0; k < 2; ++k )
 		{
-			const ContactSide& side = contact.side[k];
-			own.side[k] = flatSide( side );
-			own.rigid[k] = side.rigid;
-			for ( int j = 0; side.soft >= 0 && j < side.shared.count; ++j )
-			{
-				own.inverseMass[k][j] = double( m_inverseDiagonal[std::size_t( own.side[k].index[j] )] );
-			}
+			own.side[k] = sweptSide( contact.side[k] );
 		}
-		own.normal = contact.normal;
-		own.prescribed = contact.side[0].prescribedVelocity - contact.side[1].prescribedVelocity;
+		own.normal = ContactSweeps::padded( contact.normal );
+		own.prescribed = ContactSweeps::padded( contact.side[0].prescribedVelocity - contact.side[1].prescribedVelocity );
 		own.stiffness = contact.stiffness;
 		own.multiplier = contact.normalMultiplier;
 		own.target = contact.target;
 		own.friction = contact.friction;
-		own.tangentMultiplier = contact.tangentMultiplier;
+		own.tangentMultiplier = ContactSweeps::padded( contact.tangentMultiplier );
 		own.normalImpulse = contact.normalImpulse;
-		own.tangentImpulse = contact.tangentImpulse;
+		own.tangentImpulse = ContactSweeps::padded( contact.tangentImpulse );
+	}
+}
+
+ContactSweeps::Side IslandBlock::sweptSide( const ContactSide& side )
+{
+	ContactSweeps::Side own;
+	if ( side.rigid >= 0 )
+	{
+		own.rigid = m_sweeps.addArm( m_sweeps.rigid[std::size_t( side.rigid )], side.arm );
+	}
+	else if ( side.soft >= 0 )
+	{
+		own.count = side.shared.count;
+		for ( int j = 0; j < own.count; ++j )
+		{
+			const int node = side.shared.node[j];
+			own.at[j] = m_sweeps.firstNode[std::size_t( side.soft )] + node;
+			own.rub[j] = side.shared.rub[j];
+			own.excess[j] = side.shared.press[j] - side.shared.rub[j];
+			own.inverseMass[j] = double( m_inverseDiagonal[std::size_t( soft[std::size_t( side.soft )].offset + node )] );
+		}
+	}
+	return own;
+}
+
+// To m_v: by components for nodes, six to a rigid body.
+void IslandBlock::readSwept()
+{
+	for ( std::size_t p = 0; p < soft.size(); ++p )
+	{
+		const int padded = soft[p].motion->padded();
+		float* const to = m_v.data() + soft[p].offset;
+		std::fill_n( to, soft[p].motion->size(), 0.0f );
+		for ( int i = 0; i < soft[p].motion->nodes().count; ++i )
+		{
+			const ContactSweeps::Vec& v = m_sweeps.v[std::size_t( m_sweeps.firstNode[p] + i )];
+			for ( int k = 0; k < 3; ++k )
+			{
+				to[k * padded + i] = float( v[k] );
+			}
+		}
+	}
+	for ( std::size_t p = 0; p < rigid.size(); ++p )
+	{
+		const ContactSweeps::Vec* const v = m_sweeps.v.data() + m_sweeps.rigid[p].at;
+		Eigen::Map<Eigen::Matrix<float, 6, 1>> to( m_v.data() + rigid[p].offset );
+		to << v[0].head<3>().cast<float>(), v[1].head<3>().cast<float>();
 	}
 }
 
@@ -94,12 +135,12 @@ bool IslandBlock::sweepContacts( BlockCount& count )
 	const auto atSpeed = [this]( double speed ) { return m_softMass * speed * speed; };
 	const ContactSweeps::Result result = m_sweeps.solve(
 		kImpulseError, atSpeed( kContactGradientSpeed ), atSpeed( kMostContactGradientSpeed ) );
-	std::copy_n( m_sweeps.v.begin(), m_size, m_v.begin() );
+	readSwept();
 	for ( std::size_t k = 0; k < contacts.size(); ++k )
 	{
 		const ContactSweeps::Contact& own = m_sweeps.contacts[k];
 		contacts[k].normalImpulse = own.normalImpulse;
-		contacts[k].tangentImpulse = own.tangentImpulse;
+		contacts[k].tangentImpulse = own.tangentImpulse.head<3>();
 		contacts[k].isActive = own.normalImpulse > 0.0;
 	}
 	count.products += result.sweeps;

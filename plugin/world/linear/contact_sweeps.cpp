@@ -17,125 +17,142 @@ double largestAcross( const Eigen::Matrix3d& response, const Vec3d& normal )
 	return 0.5 * ( aa + bb ) + std::hypot( 0.5 * ( aa - bb ), ab );
 }
 
+ContactSweeps::Vec times( const ContactSweeps::Matrix& m, const ContactSweeps::Vec& a )
+{
+	return a[0] * m.col( 0 ) + a[1] * m.col( 1 ) + a[2] * m.col( 2 );
+}
+
 } // namespace
 
-// W = sum p^2 / m along the normal and sum r^2 / m across it for nodes; 1 / M + [r]^T I^-1 [r] for a rigid body.
+void ContactSweeps::clear()
+{
+	firstNode.clear();
+	rigid.clear();
+	contacts.clear();
+	v.clear();
+	m_arms.clear();
+}
+
+int ContactSweeps::addArm( const Rigid& body, const Vec3d& r )
+{
+	Arm& arm = m_arms.emplace_back();
+	Eigen::Matrix3d cross; // r x
+	cross << 0.0, -r[2], r[1], r[2], 0.0, -r[0], -r[1], r[0], 0.0;
+	arm.at = body.at;
+	arm.inverseMass = padded( body.inverseMass );
+	arm.velocityOfTurn << -cross, Eigen::RowVector3d::Zero();
+	arm.turnOfImpulse << body.inverseInertia * cross, Eigen::RowVector3d::Zero();
+	return int( m_arms.size() ) - 1;
+}
+
+// 1 / M + [r]^T I^-1 [r]
+Eigen::Matrix3d ContactSweeps::responseOf( const Arm& arm ) const
+{
+	return Eigen::Matrix3d( arm.inverseMass.head<3>().asDiagonal() ) + arm.velocityOfTurn.topRows<3>() * arm.turnOfImpulse.topRows<3>();
+}
+
+// W = sum p^2 / m along the normal and sum r^2 / m across it for nodes.
 void ContactSweeps::measureResponse( Contact& contact ) const
 {
-	contact.alongResponse = contact.acrossResponse = 0.0;
-	for ( int k = 0; k < 2; ++k )
+	const Vec3d normal = contact.normal.head<3>();
+	contact.m_alongResponse = contact.m_acrossResponse = 0.0;
+	contact.m_slide.setZero();
+	for ( const Side& side : contact.side )
 	{
-		const ActiveContact::Side& side = contact.side[k];
-		if ( contact.rigid[k] >= 0 )
+		if ( side.rigid >= 0 )
 		{
-			const Rigid& body = rigid[std::size_t( contact.rigid[k] )];
-			Eigen::Matrix3d cross;
-			cross << 0.0, -side.arm[2], side.arm[1], side.arm[2], 0.0, -side.arm[0], -side.arm[1], side.arm[0], 0.0;
-			const Eigen::Matrix3d response = Eigen::Matrix3d( body.inverseMass.asDiagonal() ) +
-				cross.transpose() * body.inverseInertia * cross;
-			contact.alongResponse += contact.normal.dot( response * contact.normal );
-			contact.acrossResponse += largestAcross( response, contact.normal );
-			continue;
+			const Eigen::Matrix3d response = responseOf( m_arms[std::size_t( side.rigid )] );
+			const Vec3d byPress = response * normal;
+			const double along = normal.dot( byPress );
+			contact.m_alongResponse += along;
+			contact.m_acrossResponse += largestAcross( response, normal );
+			contact.m_slide.head<3>() += byPress - along * normal;
 		}
 		for ( int j = 0; j < side.count; ++j )
 		{
 			const double press = side.rub[j] + side.excess[j];
-			contact.alongResponse += press * press * contact.inverseMass[k][j];
-			contact.acrossResponse += side.rub[j] * side.rub[j] * contact.inverseMass[k][j];
+			contact.m_alongResponse += press * press * side.inverseMass[j];
+			contact.m_acrossResponse += side.rub[j] * side.rub[j] * side.inverseMass[j];
 		}
 	}
+	contact.m_pressFactor = 1.0 / ( 1.0 + contact.stiffness * contact.m_alongResponse );
+}
+
+// u += sign ( sum r_j v_j + n n.( sum ( p_j - r_j ) v_j ) ) for nodes, sign ( V + W x r ) for a rigid body
+void ContactSweeps::addVelocity( const Side& side, const Vec& normal, double sign, Vec& u ) const
+{
+	if ( side.rigid >= 0 )
+	{
+		const Arm& arm = m_arms[std::size_t( side.rigid )];
+		u += sign * ( v[std::size_t( arm.at )] + times( arm.velocityOfTurn, v[std::size_t( arm.at + 1 )] ) );
+		return;
+	}
+	Vec rubbed = Vec::Zero(), more = Vec::Zero();
+	for ( int j = 0; j < side.count; ++j )
+	{
+		const Vec& own = v[std::size_t( side.at[j] )];
+		rubbed += side.rub[j] * own;
+		more += side.excess[j] * own;
+	}
+	u += sign * ( rubbed + normal.dot( more ) * normal );
 }
 
 // v += M^-1 J^T j, for one side
-void ContactSweeps::push( const Contact& contact, int k, const Vec3d& impulse )
+void ContactSweeps::push( const Side& side, const Vec& normal, const Vec& impulse )
 {
-	const ActiveContact::Side& side = contact.side[k];
-	if ( contact.rigid[k] >= 0 )
+	if ( side.rigid >= 0 )
 	{
-		const Rigid& body = rigid[std::size_t( contact.rigid[k] )];
-		Eigen::Map<Vector6> to( v.data() + side.index[0] );
-		to.head<3>() += body.inverseMass.cwiseProduct( impulse );
-		to.tail<3>() += body.inverseInertia * Eigen::Map<const Vec3d>( side.arm ).cross( impulse );
+		const Arm& arm = m_arms[std::size_t( side.rigid )];
+		v[std::size_t( arm.at )] += arm.inverseMass.cwiseProduct( impulse );
+		v[std::size_t( arm.at + 1 )] += times( arm.turnOfImpulse, impulse );
 		return;
 	}
-	const Vec3d along = contact.normal.dot( impulse ) * contact.normal;
+	const Vec along = normal.dot( impulse ) * normal;
 	for ( int j = 0; j < side.count; ++j )
 	{
-		double* const at = v.data() + side.index[j];
-		const double rub = contact.inverseMass[k][j] * side.rub[j], excess = contact.inverseMass[k][j] * side.excess[j];
-		for ( int i = 0; i < 3; ++i )
-		{
-			at[i * side.stride] += rub * impulse[i] + excess * along[i];
-		}
+		v[std::size_t( side.at[j] )] += ( side.inverseMass[j] * side.rub[j] ) * impulse + ( side.inverseMass[j] * side.excess[j] ) * along;
 	}
 }
 
-void ContactSweeps::apply( const Contact& contact, const Vec3d& impulse )
+void ContactSweeps::apply( const Contact& contact, const Vec& impulse )
 {
-	push( contact, 0, impulse );
-	push( contact, 1, -impulse );
+	push( contact.side[0], contact.normal, impulse );
+	push( contact.side[1], contact.normal, -impulse );
 }
 
-Vec3d ContactSweeps::velocity( const Contact& contact ) const
-{
-	const double normal[3] = { contact.normal[0], contact.normal[1], contact.normal[2] };
-	double u[3] = { contact.prescribed[0], contact.prescribed[1], contact.prescribed[2] };
-	for ( int k = 0; k < 2; ++k )
-	{
-		if ( contact.side[k].count > 0 )
-		{
-			addVelocity( contact.side[k], normal, v.data(), k == 0 ? 1.0 : -1.0, u );
-		}
-	}
-	return Vec3d( u[0], u[1], u[2] );
-}
-
-// jn = max( 0, ln + k ( b - un - W ( jn - jn' ) ) ) = max( 0, ( ln + k ( b - un + W jn' ) ) / ( 1 + k W ) ),   jn' the impulse before
-double ContactSweeps::press( Contact& contact, const Vec3d& u, double relaxation )
-{
-	const double before = contact.normalImpulse, k = contact.stiffness, response = contact.alongResponse;
-	const double solved = ( contact.multiplier + k * ( contact.target - contact.normal.dot( u ) + response * before ) ) /
-		( 1.0 + k * response );
-	contact.normalImpulse = std::max( 0.0, before + relaxation * ( solved - before ) );
-	return contact.normalImpulse - before;
-}
-
-// Across the normal the same with ks and lt, but at most mu jn long. Applies the change together with `pushed` along the normal.
-double ContactSweeps::rub( Contact& contact, const Vec3d& u, double pushed, double relaxation )
-{
-	const double limit = contact.friction * contact.normalImpulse, stick = std::min( contact.stiffness, limit / kSlipSpeed );
-	const Vec3d before = contact.tangentImpulse, slip = u - contact.normal.dot( u ) * contact.normal;
-	const Vec3d stopped = ( contact.tangentMultiplier - stick * ( slip - contact.acrossResponse * before ) ) /
-		( 1.0 + stick * contact.acrossResponse );
-	const Vec3d relaxed = before + relaxation * ( stopped - before );
-	const double size = relaxed.norm();
-	contact.tangentImpulse = size > limit ? Vec3d( limit / size * relaxed ) : relaxed;
-	const Vec3d change = contact.tangentImpulse - before;
-	apply( contact, pushed * contact.normal + change );
-	return change.squaredNorm() * contact.acrossResponse * ( 1.0 + stick * contact.acrossResponse );
-}
-
-/// Returns the energy of the changes, J.
+// Along the normal   jn = max( 0, ln + k ( b - un - W ( jn - jn' ) ) ) = max( 0, ( ln + k ( b - un + W jn' ) ) / ( 1 + k W ) ),
+// jn' the impulse before; across it the same with ks and lt, but at most mu jn long. What is added to jn makes rigid bodies slide.
+// Returns the energy of the changes, J.
 double ContactSweeps::sweep( double relaxation )
 {
 	double change = 0.0;
 	for ( Contact& contact : contacts )
 	{
-		Vec3d u = velocity( contact );
-		const bool wasIdle = contact.normalImpulse == 0.0;
-		double pushed = press( contact, u, relaxation );
-		if ( wasIdle && contact.normalImpulse == 0.0 )
+		const Vec normal = contact.normal;
+		Vec u = contact.prescribed;
+		addVelocity( contact.side[0], normal, 1.0, u );
+		addVelocity( contact.side[1], normal, -1.0, u );
+		const double k = contact.stiffness, W = contact.m_alongResponse, before = contact.normalImpulse, un = normal.dot( u );
+		const double solved = ( contact.multiplier + k * ( contact.target - un + W * before ) ) * contact.m_pressFactor;
+		contact.normalImpulse = std::max( 0.0, before + relaxation * ( solved - before ) );
+		if ( before == 0.0 && contact.normalImpulse == 0.0 )
 		{
 			continue;
 		}
-		change += pushed * pushed * contact.alongResponse * ( 1.0 + contact.stiffness * contact.alongResponse );
-		if ( contact.rigid[0] >= 0 || contact.rigid[1] >= 0 ) // a push along the normal makes a rigid body's surface slide
+		const double pushed = contact.normalImpulse - before, limit = contact.friction * contact.normalImpulse;
+		const double stick = std::min( k, limit * ( 1.0 / kSlipSpeed ) ), across = contact.m_acrossResponse;
+		const Vec slip = u - un * normal + pushed * contact.m_slide;
+		const Vec stopped = ( contact.tangentMultiplier - stick * ( slip - across * contact.tangentImpulse ) ) / ( 1.0 + stick * across );
+		Vec rubbed = contact.tangentImpulse + relaxation * ( stopped - contact.tangentImpulse );
+		const double square = rubbed.squaredNorm();
+		if ( square > limit * limit )
 		{
-			apply( contact, pushed * contact.normal );
-			pushed = 0.0;
-			u = velocity( contact );
+			rubbed *= limit / std::sqrt( square );
 		}
-		change += rub( contact, u, pushed, relaxation );
+		const Vec slowed = rubbed - contact.tangentImpulse;
+		contact.tangentImpulse = rubbed;
+		apply( contact, pushed * normal + slowed );
+		change += pushed * pushed * W * ( 1.0 + k * W ) + slowed.squaredNorm() * across * ( 1.0 + stick * across );
 	}
 	return change;
 }
