@@ -20,6 +20,7 @@ constexpr btScalar kHold = btScalar( 0.04 );                                    
 constexpr btScalar kBall = btScalar( 0.09 );                                         // m across
 constexpr btScalar kGlassPaneBallMass = btScalar( 3 );                               // kg
 constexpr btScalar kGlassPaneSpeed = btScalar( 14 );                                 // m/s
+constexpr int kGlassPaneSubsteps = 6;                                                // more are not seen: glass is stiff in any case
 constexpr int kGlassPaneCrumb = 6;                                                   // cells
 
 class GlassPane : public ShardScene
@@ -28,6 +29,7 @@ public:
 	GlassPane() : ShardScene( "pane", kGlassPaneCrumb ) {}
 	bool init( Stage& stage ) override
 	{
+		stage.world().setMaxSoftSubsteps( kGlassPaneSubsteps );
 		stage.addGround( btScalar( 0.6 ) );
 		const btScalar middle = kFoot + btScalar( kHeight ) / 2;
 		addFrame( stage, middle );

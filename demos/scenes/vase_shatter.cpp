@@ -23,6 +23,7 @@ constexpr btScalar kVaseShatterAside = btScalar( 0.02 ); // m off the axis, so t
 constexpr int kCrumb = 6;                                // cells: smaller pieces are rigid
 constexpr float kVaseShatterShard = 0.12f;               // m
 constexpr int kMostPieces = 200;
+constexpr int kMostSubsteps = 8; // more are not seen: shards are stiff in any case
 
 /// Outer line from the foot up to the lip: radius and height, m.
 const std::vector<std::array<float, 2>>& vaseLine()
@@ -39,6 +40,7 @@ public:
 	bool init( Stage& stage ) override
 	{
 		stage.addGround( btScalar( 0.6 ) );
+		stage.world().setMaxSoftSubsteps( kMostSubsteps );
 		const pliant_glue::ModelMesh mesh = makeVessel( vaseLine(), kWall, kVaseShatterCell * 0.7f, kAround );
 		SoftOrder order;
 		order.name = "vase";

@@ -106,6 +106,8 @@ inline constexpr double kPlaneHalfWidth = 0.6;
 /// The same for small objects other than spheres, which the nodes around one above a node must support too: from the depth all nodes around
 /// a box that is tilted by up to a quarter of a radian find their own corner of it, where a single one would tip it to and fro.
 inline constexpr double kSmallPlaneDepth = 4.0, kSmallPlaneHalfWidth = 1.2;
+/// Patches touch at most this far to the side of their nodes, cells: kSmallPlaneHalfWidth with its tolerance.
+inline constexpr double kWidestPatch = 1.3;
 /// Sine of the angle to its normal below which a patch touches a flat obstacle on the node's own line, so that contacts of resting faces
 /// involve few nodes. An obstacle is flat where its normals at two points agree by the cosine.
 inline constexpr double kFlatSine = 0.02, kSameNormal = 1.0 - 1e-9;
@@ -191,8 +193,9 @@ inline constexpr double kPassFraction = 1e-2, kLatePassFraction = 1e-3;
 inline constexpr int kMostPasses = 4;
 /// Sweeps over the contacts of a block of explicit bodies, before passes continue from their result: of the contacts of a pile that comes
 /// to rest none needs more, while it is thrown together half of them do. From the sixth sweep on changes are enlarged by the factor: a node
-/// between two bodies needs 60 sweeps otherwise.
-inline constexpr int kMostSweeps = 40, kPlainSweeps = 5;
+/// between two bodies needs 60 sweeps otherwise. Where the ratio of the last two of kTrialSweeps says that kMostSweeps will not be enough,
+/// as between a heavy ball and the thin body that it breaks, passes begin then.
+inline constexpr int kMostSweeps = 40, kPlainSweeps = 5, kTrialSweeps = 16;
 inline constexpr double kSweepRelaxation = 1.35;
 /// Limit of passes where contacts would still pull, or rub by kLargestFrictionTorque times their limits, which can add energy: most impacts
 /// settle in 8 passes, the hardest of 600 in 49.

@@ -167,7 +167,8 @@ double ContactSweeps::storedEnergy() const
 	return stored;
 }
 
-// Sweeps converge linearly: after changes of the ratio q those still to come sum to q / ( 1 - q ) times the last.
+// Sweeps converge linearly: after changes of the ratio q those still to come sum to q / ( 1 - q ) times the last, and n more sweeps divide
+// their energy by q^2n. Sweeps that would not end within kMostSweeps end after kTrialSweeps.
 ContactSweeps::Result ContactSweeps::solve( double fraction, double least, double most )
 {
 	for ( Contact& contact : contacts )
@@ -179,13 +180,16 @@ ContactSweeps::Result ContactSweeps::solve( double fraction, double least, doubl
 	}
 	Result result;
 	double last = 0.0;
-	while ( !result.isAccurate && result.sweeps < kMostSweeps )
+	bool mayEnd = true;
+	while ( !result.isAccurate && result.sweeps < kMostSweeps && mayEnd )
 	{
 		const double change = sweep( result.sweeps < kPlainSweeps ? 1.0 : kSweepRelaxation );
 		++result.sweeps;
-		const double ratio = result.sweeps > 1 ? std::sqrt( change / last ) : 1.0;
-		const double left = ratio < 1.0 ? change * ratio * ratio / ( ( 1.0 - ratio ) * ( 1.0 - ratio ) ) : HUGE_VAL;
-		result.isAccurate = change == 0.0 || left <= std::clamp( fraction * fraction * storedEnergy(), least, most );
+		const double square = result.sweeps > 1 ? change / last : 1.0, ratio = std::sqrt( square );
+		const double left = ratio < 1.0 ? change * square / ( ( 1.0 - ratio ) * ( 1.0 - ratio ) ) : HUGE_VAL;
+		const double tolerance = std::clamp( fraction * fraction * storedEnergy(), least, most );
+		result.isAccurate = change == 0.0 || left <= tolerance;
+		mayEnd = result.sweeps < kTrialSweeps || left * std::pow( square, kMostSweeps - result.sweeps ) <= tolerance;
 		last = change;
 	}
 	return result;

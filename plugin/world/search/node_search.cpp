@@ -160,6 +160,12 @@ double NodeSearch::overhang() const
 	return ( m_surface ? m_surface->overhang() : 0.0 ) + m_pressedReach;
 }
 
+// A small object is met by all nodes around it, each at its own point, so that it lies on several.
+double NodeSearch::solidOverhang() const
+{
+	return overhang() + ( m_patchObstacle.isSmall && m_surface ? kSmallReach * m_surface->largestSize() : 0.0 );
+}
+
 // Tests the patch in front of a node, or the node's own sphere where the patch does not face the obstacle.
 template <class Nearest, class Find>
 inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nearest& nearest, const Find& find, Touch& touch ) const
@@ -290,11 +296,18 @@ void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Fin
 	const Spheres spheres( *this );
 	const bool looksAhead = m_looksAhead && obstacle.shape->isConvex();
 	const Obstacle then = looksAhead ? m_unforcedMotion.moved( obstacle, m_step ) : Obstacle{};
+	const FarSolid far( obstacle );
+	const double ahead = solidOverhang(), aside = m_surface ? kWidestPatch * m_surface->largestSize() : 0.0;
 	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
 	m_marks.takeAll( [&]( int node ) {
 		noteNearby( node, size );
 		Touch touch;
 		const MovingSphere sphere = spheres.of( node );
+		const double reach = std::hypot( sphere.touchDistance() + ahead, aside ) + sphere.displacement.norm();
+		if ( far.isClear( sphere.centre, reach * ( 1.0 + kFarSlack ) ) )
+		{
+			return;
+		}
 		if ( m_surface && m_surface->levels() )
 		{
 			m_patchObstacle = PatchObstacle::of( *obstacle.shape, double( size ) / m_surface->sizeOf( node ) );
@@ -316,10 +329,9 @@ void NodeSearch::solid( const Obstacle& obstacle )
 	obstacle.shape->getAabb( inShape.transform(), box.low, box.high );
 	const btScalar size = largestExtent( *obstacle.shape );
 	box.stretchAlong( toBt( m_step * m_motion.linear ) );
-	// A small object is met by all nodes around it, each at its own point, so that it lies on several.
 	const double cell = m_surface ? m_surface->largestSize() : 0.0;
 	m_patchObstacle = PatchObstacle::of( *obstacle.shape, m_surface ? double( size ) / cell : kEdgeThing );
-	box.widen( overhang() + ( m_patchObstacle.isSmall ? kSmallReach * cell : 0.0 ) );
+	box.widen( solidOverhang() );
 	const btScalar turn = btScalar( m_step * m_motion.angular.norm() * ( obstacle.position - m_motion.centre ).norm() ) +
 		btScalar( m_step * m_motion.angular.norm() ) * ( box.high - box.low ).length() / 2;
 	box.move( btVector3( -turn, -turn, -turn ), btVector3( turn, turn, turn ) );

@@ -88,6 +88,7 @@ private:
 	void noteNearby( int node, btScalar size ) const;
 	btVector3 cornerReach() const;
 	double overhang() const; ///< how far a touch may lie outside of the spheres, m
+	double solidOverhang() const;
 	template <class Find>
 	void foresee( int node, const Find& find ) const;
 	template <class Find>

@@ -350,6 +350,19 @@ bool FarPlane::areClear( const NodeState& nodes, int first, double step, double 
 	return double( lowest ) - m_constant - kBlockRounding * double( size ) > radius * kGrown;
 }
 
+FarSolid::FarSolid( const Obstacle& solid ) : m_basis( solid.basis ), m_position( solid.position )
+{
+	if ( solid.shape->getShapeType() == SPHERE_SHAPE_PROXYTYPE )
+	{
+		m_radius = double( static_cast<const btSphereShape*>( solid.shape )->getRadius() );
+		return;
+	}
+	btVector3 low, high;
+	solid.shape->getAabb( btTransform::getIdentity(), low, high );
+	m_middle = toEigen( low + high ) / 2.0;
+	m_half = toEigen( high - low ) / 2.0;
+}
+
 BoxTouch::BoxTouch( const Obstacle& box ) :
 	m_box( box ), m_half( toEigen( static_cast<const btBoxShape*>( box.shape )->getHalfExtentsWithMargin() ) )
 {}

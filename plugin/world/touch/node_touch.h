@@ -135,6 +135,25 @@ private:
 	double m_constant;
 };
 
+/// A solid that rejects distant spheres by its own box, or of a ball by its centre, at less cost than a contact test.
+class FarSolid
+{
+public:
+	explicit FarSolid( const Obstacle& solid );
+	/// True only if every point of the solid is farther than `reach`, m, from a point.
+	bool isClear( const Vec3d& point, double reach ) const
+	{
+		const Vec3d p = m_basis.transpose() * ( point - m_position ) - m_middle;
+		const double farthest = m_radius + reach;
+		return m_radius > 0.0 ? p.squaredNorm() > farthest * farthest : ( p.cwiseAbs() - m_half ).maxCoeff() > reach;
+	}
+
+private:
+	Eigen::Matrix3d m_basis;
+	Vec3d m_position, m_middle = Vec3d::Zero(), m_half = Vec3d::Zero(); ///< of the box, in the solid's frame, m
+	double m_radius = 0.0;                                              ///< of a ball, m
+};
+
 /// The touch with a sphere around `at`: the result of findTouch at less cost.
 bool findBallTouch( double radius, const Vec3d& at, const MovingSphere& sphere, Touch& touch );
 
