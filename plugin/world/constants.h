@@ -196,7 +196,7 @@ inline constexpr int kMostPasses = 4;
 /// between two bodies needs 60 sweeps otherwise. Where the ratio of the last two of kTrialSweeps says that kMostSweeps will not be enough,
 /// as between a heavy ball and the thin body that it breaks, passes begin then.
 inline constexpr int kMostSweeps = 40, kPlainSweeps = 5, kTrialSweeps = 16;
-inline constexpr double kSweepRelaxation = 1.35;
+inline constexpr double kSweepRelaxation = 1.4;
 /// Limit of passes where contacts would still pull, or rub by kLargestFrictionTorque times their limits, which can add energy: most impacts
 /// settle in 8 passes, the hardest of 600 in 49.
 inline constexpr int kMostHardPasses = 60;
