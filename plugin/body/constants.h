@@ -12,4 +12,18 @@ inline constexpr float kSmallestScale = 1e-6f, kLargestScale = 1e6f;
 /// a ball of 0.4 m at 0.7 m/s, it rolls: what a step takes from its rotation is returned, and its nodes land as deep as they were apart.
 inline constexpr double kRockingTurn = 0.025, kFreeTurn = 0.25;
 
+// --- Segments of large bodies (segments.h) ---
+
+/// Bodies of fewer nodes, with a smaller G, or that are divided into fewer segments, as compact ones are, need few products without.
+inline constexpr int kLeastDividedNodes = 400, kLeastSegments = 32;
+inline constexpr float kLeastDividedStiffness = 300.0f;
+/// Edges of the cubes, cells, and the number of coupled pairs of segments from which on they are larger: the factor of the coarse system
+/// must not take longer than the products that it saves.
+inline constexpr int kLeastSegmentEdge = 3, kLargestSegmentEdge = 64, kMostSegmentPairs = 400;
+/// Resistance of a link between two segments to their relative velocity, in G m of its cells: ( n^2 - 1 ) / ( 8 n ), with n = 3.
+inline constexpr double kLinkResistance = 1.0 / 3.0;
+/// The same to a relative rotation, in those units times d^2: a row of single cells has no other. And the least moment of inertia, m d^2: a
+/// segment of one cell is a point.
+inline constexpr double kSegmentTwist = 1.0 / 6.0, kLeastSegmentMoment = 1.0 / 6.0;
+
 } // namespace pliant

@@ -30,7 +30,7 @@ void ImplicitMotion::measurePinned()
 	m_isHeld.assign( std::size_t( parts().count() ), 0 );
 	for ( int i = 0; i < m_nodes->count; ++i )
 	{
-		if ( m_nodes->freedom[i] == 0.0f || gainOf( i ) > 0.0f )
+		if ( isHeldNode( i ) )
 		{
 			m_hasHeldNodes = true;
 			m_isHeld[std::size_t( parts().partOf( i ) )] = 1;
@@ -81,6 +81,8 @@ void ImplicitMotion::begin(
 	LatticeMatcher& matcher, NodeState& nodes, const float* pushed, const ImplicitStep& step, const NodePull& pull, TaskRunner* runner )
 {
 	m_nodes = &nodes;
+	m_tablesVersion = matcher.tablesVersion() + 1;
+	m_areSegmentsMeasured = false;
 	m_pull = pull.isOn() ? &pull : nullptr;
 	// Volume keeping makes the response to compression 1 + 3 kappa times that to tension: that factor is applied everywhere, for stability.
 	const float elastic = step.alpha * ( 1.0f + 3.0f * step.volumeKeeping );
@@ -175,10 +177,46 @@ void ImplicitMotion::apply( const float* v, float* to, TaskRunner* runner )
 	}
 }
 
+const Segments* ImplicitMotion::segments( const Lattice& lattice )
+{
+	if ( m_stiffness < kLeastDividedStiffness || m_nodes->count < kLeastDividedNodes || parts().areSeveral() )
+	{
+		return nullptr;
+	}
+	if ( m_laidOutVersion != m_tablesVersion )
+	{
+		m_segments.layOut( lattice );
+		m_laidOutVersion = m_tablesVersion;
+	}
+	if ( m_segments.count() < kLeastSegments )
+	{
+		return nullptr;
+	}
+	if ( !m_areSegmentsMeasured )
+	{
+		m_segments.measure( *m_nodes, double( lattice.cellSize ), kLinkResistance * double( m_stiffness ) );
+		for ( int i = 0; m_hasHeldNodes && i < m_nodes->count; ++i )
+		{
+			if ( isHeldNode( i ) )
+			{
+				m_segments.hold( i, double( heldResistance( i ) ) );
+			}
+		}
+		m_areSegmentsMeasured = true;
+	}
+	return &m_segments;
+}
+
 float ImplicitMotion::diagonal( int node ) const
 {
 	const float own = m_nodes->mass[node] * ( m_stiffness > 0.0f ? 1.0f + m_stiffness * m_rates.diagonal()[std::size_t( node )] : 1.0f );
 	return m_pull ? own + m_nodes->mass[node] * gainOf( node ) : own;
+}
+
+/// What a held node adds to the resistance of the motions that its body's other nodes make, kg.
+float ImplicitMotion::heldResistance( int node ) const
+{
+	return m_nodes->freedom[node] == 0.0f ? diagonal( node ) - m_nodes->mass[node] : m_nodes->mass[node] * gainOf( node );
 }
 
 Matrix6 ImplicitMotion::rigidMass( int part ) const
@@ -264,13 +302,11 @@ void ImplicitMotion::addPinned( Matrix12& matrix, int part ) const
 {
 	Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
 	parts().forNodes( part, m_nodes->count, [&]( int i ) {
-		const bool isPinned = m_nodes->freedom[i] == 0.0f;
-		if ( isPinned || gainOf( i ) > 0.0f )
+		if ( isHeldNode( i ) )
 		{
 			Eigen::Vector4d arm;
 			arm << 1.0, m_nodes->x.get( i ).cast<double>() - centre( part );
-			const float resistance = isPinned ? diagonal( i ) - m_nodes->mass[i] : m_nodes->mass[i] * gainOf( i );
-			sum += double( resistance ) * arm * arm.transpose();
+			sum += double( heldResistance( i ) ) * arm * arm.transpose();
 		}
 	} );
 	for ( int j = 0; j < 4; ++j )

@@ -12,6 +12,7 @@
 // sigma is Material::numericalDamping, c Material::damping, alpha = E h^2 / ( rho d^2 mu ) of any size, 1 - P of StrainRates.
 
 #include "body/node_pull.h"
+#include "body/segments.h"
 #include "matching/implicit/strain_rates.h"
 #include "matching/node_state.h"
 
@@ -66,6 +67,9 @@ public:
 	/// The mean of A's three diagonal entries of a node, kg.
 	float diagonal( int node ) const;
 	bool isElastic() const { return m_stiffness > 0.0f; }
+	/// The segments of a body whose nodes are the cells of `lattice`, measured at the start of the substep; null where affine motions of
+	/// the whole do as well: for small, soft and compact bodies, and those in several parts.
+	const Segments* segments( const Lattice& lattice );
 	bool hasHeldNodes() const { return m_hasHeldNodes; }
 	/// Whether the body turns freely and is damped numerically, from 0 to 1: what a step takes from its rotation may be returned then.
 	double rolling() const { return m_rolling; }
@@ -113,6 +117,8 @@ private:
 	void keepFreeMomentum();
 	double freedomOfTurn( double length ) const;
 	float gainOf( int node ) const { return m_pull ? m_pull->gain[std::size_t( node )] : 0.0f; }
+	bool isHeldNode( int node ) const { return m_nodes->freedom[node] == 0.0f || gainOf( node ) > 0.0f; }
+	float heldResistance( int node ) const;
 	void measureArms();
 	void addPinned( Matrix12& matrix, int part ) const;
 	template <class Least, class Point>
@@ -120,6 +126,9 @@ private:
 	double trace( int part ) const { return m_inertias[std::size_t( part )].trace(); }
 
 	StrainRates m_rates;
+	Segments m_segments;
+	unsigned m_tablesVersion = 0, m_laidOutVersion = 0; ///< of the matcher's tables plus 1, and those that m_segments are of
+	bool m_areSegmentsMeasured = false;
 	NodeState* m_nodes = nullptr;
 	const NodePull* m_pull = nullptr; ///< null: nothing draws the nodes
 	AlignedArray<float> m_rightSide;

@@ -189,9 +189,10 @@ private:
 	struct ConnectedPart
 	{
 		int soft = -1, part = 0;
-		int coarse = -1;        ///< body index in the coarse system; -1: its nodes are preconditioned alone
-		bool touches = false;   ///< one of its nodes has a contact
-		bool isPressed = false; ///< one of its contacts has an impulse; of restoreMomentum
+		int coarse = -1; ///< body index in the coarse system, the first of its segments; -1: its nodes are preconditioned alone
+		const Segments* segments = nullptr; ///< null: its affine motions stand for it
+		bool touches = false;               ///< one of its nodes has a contact
+		bool isPressed = false;             ///< one of its contacts has an impulse; of restoreMomentum
 	};
 	/// Nodes coupled by contacts: a dense block of the preconditioner.
 	struct Cluster
@@ -293,6 +294,7 @@ private:
 	void iterate( double fraction, BlockCount& count );
 	void fillPreconditioner();
 	void layOutPreconditioner();
+	int coarseOf( const ContactSide& side ) const;
 	void layOutCoarse();
 	void assignClusters( const BlockContact& contact );
 	Eigen::Map<Eigen::MatrixXd> matrixOf( const Cluster& cluster )

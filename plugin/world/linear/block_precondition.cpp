@@ -83,16 +83,32 @@ Eigen::Matrix3d IslandBlock::resistance( const BlockContact& contact ) const
 	return contact.stiffness * normalPart + contact.tangentStiffness * tangentPart;
 }
 
+int IslandBlock::coarseOf( const ContactSide& side ) const
+{
+	const ConnectedPart& own = connectedOf( side );
+	return own.segments ? own.coarse + own.segments->of( side.node ) : own.coarse;
+}
+
 void IslandBlock::layOutCoarse()
 {
 	m_coarseSizes.clear();
 	for ( ConnectedPart& own : m_connected )
 	{
-		const ImplicitMotion& motion = *soft[std::size_t( own.soft )].motion;
-		if ( motion.isElastic() && motion.hasShape( own.part ) )
+		SoftPart& part = soft[std::size_t( own.soft )];
+		const Body& body = *part.owner->impl().body;
+		own.segments = part.motion->isElastic() && !body.levels() ? part.motion->segments( body.lattice() ) : nullptr;
+		if ( part.motion->isElastic() && part.motion->hasShape( own.part ) && !own.segments )
 		{
 			own.coarse = int( m_coarseSizes.size() );
 			m_coarseSizes.push_back( 12 );
+		}
+	}
+	for ( ConnectedPart& own : m_connected ) // after those of 12 unknowns: addCoarse relies on it
+	{
+		if ( own.segments )
+		{
+			own.coarse = int( m_coarseSizes.size() );
+			m_coarseSizes.insert( m_coarseSizes.end(), std::size_t( own.segments->count() ), 6 );
 		}
 	}
 	for ( RigidPart& part : rigid )
@@ -102,7 +118,7 @@ void IslandBlock::layOutCoarse()
 	}
 	// All contacts, because the active ones change from pass to pass.
 	const auto bodyOf = [this]( const ContactSide& side ) {
-		return side.soft >= 0 ? connectedOf( side ).coarse : side.rigid >= 0 ? rigid[std::size_t( side.rigid )].coarse : -1;
+		return side.soft >= 0 ? coarseOf( side ) : side.rigid >= 0 ? rigid[std::size_t( side.rigid )].coarse : -1;
 	};
 	m_coarsePairs.clear();
 	for ( const BlockContact& contact : contacts )
@@ -111,6 +127,14 @@ void IslandBlock::layOutCoarse()
 		if ( a >= 0 && b >= 0 && a != b )
 		{
 			m_coarsePairs.emplace_back( std::max( a, b ), std::min( a, b ) );
+		}
+	}
+	for ( const ConnectedPart& own : m_connected )
+	{
+		for ( std::size_t k = 0; own.segments && k < own.segments->pairs().size(); ++k )
+		{
+			const Segments::Pair& pair = own.segments->pairs()[k];
+			m_coarsePairs.emplace_back( own.coarse + pair.first, own.coarse + pair.second );
 		}
 	}
 	for ( const LinkedParts& whole : linked )
@@ -132,9 +156,19 @@ void IslandBlock::addToPreconditioner( const BlockContact& contact )
 		if ( side.soft >= 0 )
 		{
 			const SoftPart& part = soft[std::size_t( side.soft )];
-			own.body = connectedOf( side ).coarse;
-			own.isSoft = true;
-			if ( own.body >= 0 )
+			own.body = coarseOf( side );
+			const Segments* const segments = connectedOf( side ).segments;
+			own.isSoft = !segments;
+			if ( segments )
+			{
+				Vec3d at = Vec3d::Zero();
+				for ( int j = 0; j < side.shared.count; ++j )
+				{
+					at += side.shared.rub[j] * part.motion->nodes().x.get( side.shared.node[j] ).cast<double>();
+				}
+				own.jacobian << Eigen::Matrix3d::Identity(), -hat( at - segments->centre( segments->of( side.node ) ) );
+			}
+			else if ( own.body >= 0 )
 			{
 				Vec3d arm = Vec3d::Zero();
 				for ( int j = 0; j < side.shared.count; ++j )
@@ -210,7 +244,18 @@ void IslandBlock::fillPreconditioner()
 	m_coarse.clear();
 	for ( const ConnectedPart& own : m_connected )
 	{
-		if ( own.coarse >= 0 )
+		if ( own.segments )
+		{
+			for ( int k = 0; k < own.segments->count(); ++k )
+			{
+				m_coarse.block( own.coarse + k, own.coarse + k ) = own.segments->own( k );
+			}
+			for ( const Segments::Pair& pair : own.segments->pairs() )
+			{
+				m_coarse.block( own.coarse + pair.first, own.coarse + pair.second ) = pair.coupling;
+			}
+		}
+		else if ( own.coarse >= 0 )
 		{
 			m_coarse.block( own.coarse, own.coarse ) = soft[std::size_t( own.soft )].motion->affineMatrix( own.part );
 		}
@@ -264,6 +309,11 @@ void IslandBlock::precondition( const float* r, float* z )
 		if ( own.coarse >= 0 )
 		{
 			const SoftPart& part = soft[std::size_t( own.soft )];
+			if ( own.segments )
+			{
+				own.segments->sum( part.motion->nodes(), r + part.offset, m_coarseSums.data() + m_coarse.offset( own.coarse ) );
+				continue;
+			}
 			m_coarseSums.segment<12>( m_coarse.offset( own.coarse ) ) = part.motion->affineSums( r + part.offset, own.part );
 		}
 	}
@@ -279,6 +329,11 @@ void IslandBlock::precondition( const float* r, float* z )
 		if ( own.coarse >= 0 )
 		{
 			const SoftPart& part = soft[std::size_t( own.soft )];
+			if ( own.segments )
+			{
+				own.segments->addMotions( part.motion->nodes(), m_coarseMotion.data() + m_coarse.offset( own.coarse ), z + part.offset );
+				continue;
+			}
 			part.motion->addAffine( m_coarseMotion.segment<12>( m_coarse.offset( own.coarse ) ), z + part.offset, own.part );
 		}
 	}
