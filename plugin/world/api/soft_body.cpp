@@ -2,6 +2,7 @@
 
 #include "lattice/attempt.h"
 #include "world/bodies/placing.h"
+#include "body/rigid_state.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"
 
@@ -21,6 +22,14 @@ void SoftBody::Impl::placeSpheres( btCollisionObject& object, const MotionSums& 
 	++skin.moves;
 	object.setWorldTransform( at );
 	object.setInterpolationWorldTransform( at );
+}
+
+// In the rigid state the object's transform is that of the hulls.
+void SoftBody::Impl::placeNodes()
+{
+	const NodeState& nodes = body->nodes();
+	shapeShift = ( body->rigidState()->motion.centre - nodes.origin ).cast<float>();
+	shape->place( nodes, shapeShift );
 }
 
 void SoftBody::Impl::placeShape( btCollisionObject& object )

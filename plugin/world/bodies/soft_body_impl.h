@@ -291,6 +291,7 @@ struct SoftBody::Impl
 	Pin* findPin( int node );
 	/// Moves the object's transform and the spheres to the nodes and records their velocities; the bounds in Bullet must then be updated.
 	void placeSpheres( btCollisionObject& object, const MotionSums& motion, TaskRunner* runner = nullptr );
+	void placeNodes(); ///< for a search against the nodes of a body in its rigid state
 	void placeShape( btCollisionObject& object );
 	/// Call after nodes received velocities: a body in its rigid state takes their motion, and a held one deforms.
 	void followVelocities();

@@ -68,6 +68,39 @@ void completeContacts( const btBroadphasePair& pair, btCollisionObject& turned, 
 	refreshContacts( manifolds );
 }
 
+/// Adds the touches of a body's nodes to the contacts of its hulls, which fill its dents: a crate that stood in one would stand on the one
+/// corner that is deepest in the hull, and turn about it.
+void addNodeContacts( const btBroadphasePair& pair, SoftBody& soft, NodeSearch& search, const btDispatcherInfo& info )
+{
+	btManifoldArray manifolds;
+	pair.m_algorithm->getAllContactManifolds( manifolds );
+	int touching = 0;
+	while ( touching < manifolds.size() && manifolds[touching]->getNumContacts() == 0 )
+	{
+		++touching;
+	}
+	if ( touching == manifolds.size() )
+	{
+		return;
+	}
+	btCollisionObject &first = objectOf( pair.m_pProxy0 ), &second = objectOf( pair.m_pProxy1 );
+	const btCollisionObjectWrapper one( nullptr, first.getCollisionShape(), &first, first.getWorldTransform(), -1, -1 );
+	const btCollisionObjectWrapper two( nullptr, second.getCollisionShape(), &second, second.getWorldTransform(), -1, -1 );
+	btManifoldResult result( &one, &two );
+	result.setPersistentManifold( manifolds[touching] );
+	SoftBody::Impl& impl = soft.impl();
+	impl.placeNodes();
+	const bool isFirst = &first == &soft;
+	for ( const NodeHit& hit : search.againstRigid( soft, isFirst ? two : one, double( info.m_timeStep ) ) )
+	{
+		const btScalar radius = impl.shape->sphereOfNode( hit.node() )->getRadius();
+		const btVector3 centre = impl.position( hit.node() );
+		const btVector3 own = centre + toBt( hit.touch.ownPoint( double( radius ) ) );
+		const btVector3 others = centre + toBt( hit.touch.otherPoint( double( radius ) ) ), normal = toBt( hit.touch.normal );
+		result.addContactPoint( isFirst ? normal : -normal, isFirst ? others : own, ( own - others ).dot( normal ) );
+	}
+}
+
 /// Whether the object is a body in its rigid state that has been at rest for some steps.
 bool isResting( btCollisionObject& object )
 {
@@ -165,9 +198,18 @@ void SoftBodySystem::completeFirstContacts()
 	{
 		btCollisionObject &first = objectOf( pairs[p].m_pProxy0 ), &second = objectOf( pairs[p].m_pProxy1 );
 		btCollisionObject* const turned = isNew( first ) ? &first : isNew( second ) ? &second : nullptr;
-		if ( turned && pairs[p].m_algorithm && !isDeformable( turned == &first ? second : first ) )
+		btCollisionObject& other = turned == &first ? second : first;
+		if ( !turned || !pairs[p].m_algorithm || isDeformable( other ) )
+		{
+			continue;
+		}
+		if ( asSoftBody( &other ) )
 		{
 			completeContacts( pairs[p], *turned, info );
+		}
+		else
+		{
+			addNodeContacts( pairs[p], *asSoftBody( turned ), pairScratch.search, info );
 		}
 	}
 	for ( SoftBody* body : m_bodies )
