@@ -1,8 +1,8 @@
 #include "pliant/soft_body.h"
 
+#include "body/rigid_state.h"
 #include "lattice/attempt.h"
 #include "world/bodies/placing.h"
-#include "body/rigid_state.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"
 

@@ -1,11 +1,13 @@
 // Contacts of a body in its rigid state that are found at once: its first ones, and those that it has lost (lost_contacts.h). Until it
 // became rigid it rested on all nodes that touched something. Bullet finds one contact of two hulls in a step, and the body would tip over
-// it before the others are found. So its pairs are detected several times, with the body rotated by small angles about axes across the
-// normal, which adds the corners that nearly touch. btConvexConvexAlgorithm has the same option, but only for a whole world.
+// it before the others are found. So it starts with the touches of its nodes. Pairs of two bodies in their rigid state, and those that have
+// lost contacts, are detected several times instead, with the body rotated by small angles about axes across the normal, which adds the
+// corners that nearly touch. btConvexConvexAlgorithm has the same option, but only for a whole world.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/detect/pair_contacts.h"
 #include "world/rigid/lost_contacts.h"
+#include "world/search/node_search.h"
 #include "world/step/soft_body_system.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
