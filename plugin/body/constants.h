@@ -20,8 +20,9 @@ inline constexpr float kLeastDividedStiffness = 300.0f;
 /// Edges of the cubes, cells, and the number of coupled pairs of segments from which on they are larger: the factor of the coarse system
 /// must not take longer than the products that it saves.
 inline constexpr int kLeastSegmentEdge = 3, kLargestSegmentEdge = 64, kMostSegmentPairs = 400;
-/// Resistance of a link between two segments to their relative velocity, in G m of its cells: ( n^2 - 1 ) / ( 8 n ), with n = 3.
-inline constexpr double kLinkResistance = 1.0 / 3.0;
+/// Resistance of a link between two segments to their relative velocity, in the resistances of its two cells: of a full lattice with n = 3
+/// ( n^2 - 1 ) / ( 8 n ) = 1 / 3 of G m, and a cell's own is some .9.
+inline constexpr double kLinkResistance = 0.19;
 /// The same to a relative rotation, in those units times d^2: a row of single cells has no other. And the least moment of inertia, m d^2: a
 /// segment of one cell is a point.
 inline constexpr double kSegmentTwist = 1.0 / 6.0, kLeastSegmentMoment = 1.0 / 6.0;

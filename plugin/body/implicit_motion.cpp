@@ -194,7 +194,7 @@ const Segments* ImplicitMotion::segments( const Lattice& lattice )
 	}
 	if ( !m_areSegmentsMeasured )
 	{
-		m_segments.measure( *m_nodes, double( lattice.cellSize ), kLinkResistance * double( m_stiffness ) );
+		m_segments.measure( *m_nodes, double( lattice.cellSize ), m_rates.diagonal().data(), double( m_stiffness ) );
 		for ( int i = 0; m_hasHeldNodes && i < m_nodes->count; ++i )
 		{
 			if ( isHeldNode( i ) )

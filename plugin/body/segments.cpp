@@ -113,7 +113,7 @@ void Segments::listLinks( const Lattice& lattice )
 }
 
 // D = V_a + W_a x r_a - V_b - W_b x r_b
-void Segments::measure( const NodeState& nodes, double cellSize, double stiffness )
+void Segments::measure( const NodeState& nodes, double cellSize, const float* resistance, double stiffness )
 {
 	const double square = cellSize * cellSize;
 	std::vector<double> mass( std::size_t( m_count ), 0.0 );
@@ -153,7 +153,7 @@ void Segments::measure( const NodeState& nodes, double cellSize, double stiffnes
 		for ( int k = pair.linkStart; k < pair.linkEnd; ++k )
 		{
 			const auto [i, j] = m_links[std::size_t( k )];
-			const double s = 0.5 * stiffness * double( nodes.mass[i] + nodes.mass[j] );
+			const double s = kLinkResistance * stiffness * double( nodes.mass[i] * resistance[i] + nodes.mass[j] * resistance[j] );
 			const Eigen::Vector3d middle = 0.5 * ( nodes.x.get( i ) + nodes.x.get( j ) ).cast<double>();
 			const Eigen::Matrix3d ra = hat( middle - m_centre[a] ), rb = hat( middle - m_centre[b] );
 			const Eigen::Matrix3d twist = ( s * kSegmentTwist * square ) * Eigen::Matrix3d::Identity();

@@ -3,9 +3,9 @@
 // The segments of a large elastic body: connected groups of neighbouring cells, each of which moves as a rigid body in the coarse system of
 // a block's preconditioner. A stiff body's bending is far from any affine motion of the whole, and would spread by a few cells per product.
 //
-// A region between two segments resists their relative velocity at the link, D. Of a full lattice with regions of n layers of cells,
+// Regions between two segments resist their relative velocity at a link, D. Of a full lattice with regions of n layers of cells,
 //   E = 1/2 s |D|^2,   s = G m ( n^2 - 1 ) / ( 8 n )
-// a link to a face neighbour, the mean of the directions of D. docs/design/implicit.md, The solver.
+// a link to a face neighbour, the mean of the directions of D. docs/design/implicit.md, Segments.
 
 #include "lattice/lattice.h"
 #include "matching/aligned_array.h"
@@ -32,8 +32,9 @@ public:
 
 	/// Divides the cells of a lattice into cubes, and these into connected segments.
 	void layOut( const Lattice& lattice );
-	/// Measures masses and couplings at the current positions. `stiffness`: s / m.
-	void measure( const NodeState& nodes, double cellSize, double stiffness );
+	/// Measures masses and couplings at the current positions. `resistance`: of each node, in G m, as StrainRates::diagonal; so the links
+	/// of soft cells resist less, and those at the surface. `stiffness`: G.
+	void measure( const NodeState& nodes, double cellSize, const float* resistance, double stiffness );
 
 	/// Lets a held node of a segment resist its motion with `resistance`, kg.
 	void hold( int node, double resistance );

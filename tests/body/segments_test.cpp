@@ -20,7 +20,6 @@ using namespace implicit_case;
 
 constexpr float kPlateCell = 0.1f; // m
 constexpr float kPlateStiffness = 1e4f;
-constexpr double kLinks = 1.0 / 3.0;
 
 /// A plate of 40 x 2 x 40 cells, or a part of one.
 class Plate
@@ -32,7 +31,9 @@ public:
 		EXPECT_TRUE( made.ok() ) << made.status.sentence;
 		body = std::move( made.value );
 		segments.layOut( body->lattice() );
-		segments.measure( body->nodes(), double( kPlateCell ), kLinks * double( kPlateStiffness ) );
+		matcher = std::make_unique<LatticeMatcher>( body->lattice(), body->material() );
+		rates.prepare( *matcher, body->nodes(), nullptr );
+		segments.measure( body->nodes(), double( kPlateCell ), rates.diagonal().data(), double( kPlateStiffness ) );
 	}
 	/// m^T K m for six velocities a segment.
 	double energy( const std::vector<double>& motions ) const
@@ -57,7 +58,9 @@ public:
 	}
 
 	std::unique_ptr<Body> body;
+	std::unique_ptr<LatticeMatcher> matcher; // of `rates`
 	Segments segments;
+	StrainRates rates;
 };
 
 TEST( Segments, ContainEachCellOnce )
@@ -129,10 +132,7 @@ TEST( Segments, SumWhatTheirMotionsMeet )
 
 TEST( Segments, ResistAsTheOperatorDoes )
 {
-	const Plate plate;
-	LatticeMatcher matcher( plate.body->lattice(), plate.body->material() );
-	StrainRates rates;
-	rates.prepare( matcher, plate.body->nodes(), nullptr );
+	Plate plate;
 	test::Seeded random( 5 );
 	std::vector<double> motions( 6 * std::size_t( plate.segments.count() ) );
 	for ( int kind = 0; kind < 6; ++kind ) // one component of all segments: along and across the plate, and turns
@@ -145,7 +145,7 @@ TEST( Segments, ResistAsTheOperatorDoes )
 		const std::vector<float> v = plate.velocities( motions );
 		const AlignedArray<float> given( v.begin(), v.end() );
 		AlignedArray<float> resisted( v.size() );
-		rates.resist( given.data(), kPlateStiffness, resisted.data(), nullptr );
+		plate.rates.resist( given.data(), kPlateStiffness, resisted.data(), nullptr );
 		double exact = 0.0;
 		for ( std::size_t k = 0; k < v.size(); ++k )
 		{
