@@ -90,6 +90,8 @@ void addNodeContacts( const btBroadphasePair& pair, SoftBody& soft, NodeSearch& 
 	const btCollisionObjectWrapper two( nullptr, second.getCollisionShape(), &second, second.getWorldTransform(), -1, -1 );
 	btManifoldResult result( &one, &two );
 	result.setPersistentManifold( manifolds[touching] );
+	result.setShapeIdentifiersA( -1, -1 ); // which Bullet leaves as memory has them
+	result.setShapeIdentifiersB( -1, -1 );
 	SoftBody::Impl& impl = soft.impl();
 	impl.placeNodes();
 	const bool isFirst = &first == &soft;
