@@ -260,6 +260,9 @@ public:
 	Vec3d angularVelocity() const;
 	/// The same for another spin about the mass centre, kg m^2/s.
 	Vec3d angularVelocityOf( const Vec3d& spin ) const;
+	/// The largest rate at which a link between two nodes changes its length, in rest lengths, 1/s. May return 0 where none exceeds
+	/// `least`.
+	double stretchRate( double least ) const;
 	/// The rigid motion that fits the body best (mass centre in world coordinates, rotation of all nodes together). `guess`: the rotation
 	/// where the nodes leave it undetermined (few of them, or collinear ones).
 	Placement bestFit( const Eigen::Quaterniond& guess = Eigen::Quaterniond::Identity() ) const;

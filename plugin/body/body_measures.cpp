@@ -8,6 +8,7 @@
 #include "matching/rotation.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
@@ -52,6 +53,38 @@ Vec3d Body::angularVelocityOf( const Vec3d& spin ) const
 {
 	const BodySums whole = sums();
 	return inverseOfPart( inertiaAbout( whole.centre ), whole.mass ) * spin;
+}
+
+// | ( v_j - v_i ) . e | / l,   e the direction from node i to node j, l their distance at rest
+double Body::stretchRate( double least ) const
+{
+	Vec3 low = m_nodes.v.get( 0 ), high = low;
+	for ( int i = 1; i < m_nodes.count; ++i )
+	{
+		low = low.cwiseMin( m_nodes.v.get( i ) );
+		high = high.cwiseMax( m_nodes.v.get( i ) );
+	}
+	if ( !( double( ( high - low ).norm() ) > least * double( m_lattice->cellSize ) ) )
+	{
+		return 0.0;
+	}
+	float most = 0.0f;
+	for ( int cell = 0; cell < m_lattice->cellCount(); ++cell )
+	{
+		const int i = nodeOfCell( std::uint32_t( cell ) );
+		for ( std::uint32_t k = m_lattice->linkStart[cell]; k < m_lattice->linkStart[cell + 1]; ++k )
+		{
+			const int j = nodeOfCell( m_lattice->linkTo[k] );
+			if ( j > i )
+			{
+				const Vec3 apart = m_nodes.x.get( j ) - m_nodes.x.get( i ), velocity = m_nodes.v.get( j ) - m_nodes.v.get( i );
+				const float along = velocity.dot( apart );
+				most = std::max(
+					most, along * along / ( apart.squaredNorm() * ( m_nodes.x0.get( j ) - m_nodes.x0.get( i ) ).squaredNorm() ) );
+			}
+		}
+	}
+	return std::sqrt( double( most ) );
 }
 
 Placement Body::bestFit( const Eigen::Quaterniond& guess ) const

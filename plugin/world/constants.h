@@ -170,6 +170,8 @@ inline constexpr double kStickingFriction = 0.95;
 /// A step resolves a body's own vibrations while sound travels at most this fraction of the body's size in it: an impact on a heavy object
 /// then takes some 20 steps. From the whole size on the impact is over within a step, and restitution alone makes it rebound.
 inline constexpr double kResolvedTravel = 0.25;
+/// Links of an implicit body that sound crosses more often than this in a step are stretched by at most this in it, in rest lengths.
+inline constexpr double kStiffTravel = 4.0, kMostStretch = 0.15;
 
 // The implicit step's contacts (docs/design/implicit.md says how each was found).
 /// A contact's stiffness in units of its nodes' own resistance.
@@ -313,8 +315,7 @@ inline constexpr double kJointRounding = 1e-6;
 
 /// A hull may have this multiple of the volume of its material; where it has more, its nodes are divided among two.
 inline constexpr double kConvexVolume = 1.3;
-/// A hull may lie inside of the spheres by at most this, in radii of the largest sphere: half as many corners make every search for
-/// contacts twice as fast.
+/// A hull may lie inside of the spheres by this, in radii of the largest: half as many corners make a search for contacts twice as fast.
 inline constexpr float kHullTolerance = 0.05f;
 /// Nodes that are not divided further, and the largest number of hulls of a body.
 inline constexpr int kLeastHullNodes = 12, kMostHulls = 32;
@@ -325,8 +326,7 @@ inline constexpr btScalar kLastingContact = btScalar( 0.5 ), kLongestLasting = b
 inline constexpr btScalar kContactArea = btScalar( 0.5 );
 /// A body that touches something rotates by at most this angle in a step, rad: an eighth of a turn, as for Bullet's rigid bodies.
 inline constexpr btScalar kFarthestTurn = btScalar( 0.785 );
-/// A body that has just become rigid is rotated to find its contacts by an angle at which its farthest corner moves by this fraction of the
-/// distance at which contacts end.
+/// A body that has just become rigid is rotated to find its contacts until its farthest corner moves by this fraction of their distance.
 inline constexpr btScalar kFirstContactTurn = btScalar( 0.5 );
 /// Game steps: until a new body is tested for its rigid state, between two tests, and for which a body deforms at least.
 inline constexpr int kRigidStart = 2, kRigidRetry = 3, kRigidPause = 6;
@@ -346,8 +346,7 @@ inline constexpr double kBentLoad = 0.25, kLeastBentLoad = 0.5;
 /// After this time of slow motion, s, the load is a mean over some kMeanLoadTime, s: two pieces that rock on each other exchange their
 /// loads, and would deform at each turn and never sleep.
 inline constexpr double kLoadRest = 1.0, kMeanLoadTime = 0.25;
-/// Velocity from which impacts on pinned bodies in their rigid state are searched, m/s: the smallest one that strains them depends on the
-/// mass.
+/// Velocity from which impacts on pinned bodies in their rigid state are searched, m/s: the least that strains them depends on the mass.
 inline constexpr double kHeldForecast = 0.05;
 /// A pin that follows a body has not moved if its node is within this distance of it, m: the rounding of positions.
 inline constexpr btScalar kStillPin = btScalar( 1e-4 );

@@ -86,6 +86,16 @@ bool resolvesVibrations( const SoftBody& body, double h )
 	return body.material().numericalDamping < 1.0f && travelOfSound( body, h ) <= kResolvedTravel;
 }
 
+int substepsOfDeformation( const SoftBody& body, double h )
+{
+	if ( body.impl().touched.empty() || !( travelOfSound( body, h ) > kStiffTravel ) )
+	{
+		return 1;
+	}
+	const double most = kMostStretch / h;
+	return std::max( 1, int( std::ceil( std::min( body.impl().body->stretchRate( most ) / most, double( kLargestSubsteps ) ) ) ) );
+}
+
 double restitutionFraction( const SoftBody& body, double h )
 {
 	const double kept = 1.0 - double( body.material().numericalDamping );

@@ -51,6 +51,10 @@ struct ElasticityState
 /// them.
 bool resolvesVibrations( const SoftBody& body, double h );
 
+/// Returns the number of equal parts of a step of `h`, s, that an implicit body takes. The step is linear in displacements: a stiff body
+/// that is crushed between others would gain energy from large changes of its shape.
+int substepsOfDeformation( const SoftBody& body, double h );
+
 /// Returns the fraction of restitution that acts on an implicit body against a heavy object in a step of `h`, s, [0, 1]: none where the
 /// step resolves the impact, from which the body rebounds by its own elasticity.
 double restitutionFraction( const SoftBody& body, double h );

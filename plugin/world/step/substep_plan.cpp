@@ -48,10 +48,13 @@ int SoftBodySystem::listSubstepped( btScalar gameStep, int usual )
 			m_substepped.push_back( body );
 			count = std::max( count, usual );
 		}
-		if ( !isImplicit )
+		const int needed = isImplicit ? substepsOfDeformation( *body, double( gameStep ) )
+									  : planOf( *body, gameStep, count ).substepsNeeded;
+		if ( isImplicit && needed > 1 && ( m_substepped.empty() || m_substepped.back() != body ) )
 		{
-			count = std::max( count, std::min( planOf( *body, gameStep, count ).substepsNeeded, maxSubsteps ) );
+			m_substepped.push_back( body );
 		}
+		count = std::max( count, std::min( needed, maxSubsteps ) );
 	}
 	return count;
 }
