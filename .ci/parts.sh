@@ -5,7 +5,7 @@
 # without history takes the commit's name instead. Whatever the change touches, each part comes once in so many changes.
 #
 # A part is a function part_NAME. A part is in `turns` when it is known to fit into the time that .ci/run has left on two processors without a
-# compiler's cache; a run that exceeds its limit fails, so that nothing is left out unseen.
+# compiler's cache; where it takes longer, and longer than the tests by a fifth, the run fails, so that nothing is left out unseen.
 readonly turns=( asan_core_1 alone_1 alone_2 asan_core_2 alone_3 alone_4 asan_core_3 alone_5 )
 readonly parts=( "${turns[@]}" tsan asan_world_1 double asan_issues_1 clang asan_world_2 tidy asan_issues_2 threadsafe asan_world_3 )
 
