@@ -50,6 +50,7 @@ int SoftBodySystem::listSubstepped( btScalar gameStep, int usual )
 		}
 		const int needed = isImplicit ? substepsOfDeformation( *body, double( gameStep ) )
 									  : planOf( *body, gameStep, count ).substepsNeeded;
+		body->impl().body->dampNumerically( isImplicit && needed > 1 );
 		if ( isImplicit && needed > 1 && ( m_substepped.empty() || m_substepped.back() != body ) )
 		{
 			m_substepped.push_back( body );
