@@ -33,15 +33,29 @@ btScalar heightOf( const SoftBody& body )
 	return high - test::lowestNode( body );
 }
 
+/// Of a slab that does not become rigid yet.
+Material slabMaterial()
+{
+	Material material = stiffRigid( 1e6f, 0.0f );
+	material.damping = 100.0f;
+	return material;
+}
+
+/// Adds a floor and a slab of 1 x .3 x 1 m that has come to rest on it.
+SoftBody* addSlab( TestWorld& test, const Material& material )
+{
+	test.addFloor();
+	SoftBody* const slab = test.addSoft( block( 10, 3, 10, 0.1f ), at( 0, 0.15f, 0 ), material );
+	test.run( 60 );
+	return slab;
+}
+
 // It used to stay deformable, and took all its substeps as long as the weight lay on it.
 TEST( RigidHeaps, ABodyRestsBentAndIsStraightWithoutItsLoad )
 {
 	TestWorld test;
-	test.addFloor();
-	Material material = stiffRigid( 1e6f, 0.0f );
-	material.damping = 100.0f;
-	SoftBody* const slab = test.addSoft( block( 10, 3, 10, 0.1f ), at( 0, 0.15f, 0 ), material );
-	test.run( 60 );
+	Material material = slabMaterial();
+	SoftBody* const slab = addSlab( test, material );
 	const btScalar straight = heightOf( *slab );
 	btRigidBody* const weight = test.addBox( 200, btVector3( 0.15f, 0.05f, 0.15f ), at( 0.062f, 0.355f, 0.05f ) );
 	test.run( 120 );
@@ -75,11 +89,8 @@ TEST( RigidHeaps, ACrateInADentOfABodyThatBecomesRigidStandsStill )
 	for ( int place = 0; place < kPlaces; ++place )
 	{
 		TestWorld test;
-		test.addFloor();
-		Material material = stiffRigid( 1e6f, 0.0f );
-		material.damping = 100.0f;
-		SoftBody* const slab = test.addSoft( block( 10, 3, 10, 0.1f ), at( 0, 0.15f, 0 ), material );
-		test.run( 60 );
+		Material material = slabMaterial();
+		SoftBody* const slab = addSlab( test, material );
 		btRigidBody* const crate = test.addBox(
 			200, btVector3( 0.15f, 0.05f, 0.15f ), at( 0.062f + 0.012f * btScalar( place ), 0.355f, 0.05f - 0.009f * btScalar( place ) ) );
 		test.run( 120 );
