@@ -160,6 +160,7 @@ void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit },
 		farFractions( m_material, m_lattice->cellSize, h ), m_isOnePart, float( m_restLength ) };
 	step.mostWobble = largestWobbleFraction( m_material.damping, h, alpha, m_material.volumeKeeping );
+	step.mostVolumeResponse = largestVolumeResponse( alpha, m_material.volumeKeeping );
 	m_matcher->accelerate( m_nodes, step, runner );
 }
 

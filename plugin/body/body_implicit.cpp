@@ -108,11 +108,10 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 	m_wasImplicit = true;
 	m_energyDebt = LevelDebt{};
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
-	m_matcher->accelerate( m_nodes,
-		MatchStep{ h, alpha, 0.0f, wobbleRate( h, alpha ), 0.0f, measuresStrain,
-			PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, {}, m_isOnePart,
-			float( m_restLength ) },
-		runner );
+	MatchStep step{ h, alpha, 0.0f, wobbleRate( h, alpha ), 0.0f, measuresStrain,
+		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, {}, m_isOnePart, float( m_restLength ) };
+	step.storesVolumeGradients = true;
+	m_matcher->accelerate( m_nodes, step, runner );
 	std::swap( m_velocityBefore, m_nodes.v ); // now the velocities after matching
 	const AlignedArray<float>* const pushed[3] = { &m_velocityBefore.x, &m_velocityBefore.y, &m_velocityBefore.z };
 	const AlignedArray<float>* const velocity[3] = { &m_nodes.v.x, &m_nodes.v.y, &m_nodes.v.z };

@@ -84,11 +84,13 @@ void ImplicitMotion::begin(
 	m_tablesVersion = matcher.tablesVersion() + 1;
 	m_areSegmentsMeasured = false;
 	m_pull = pull.isOn() ? &pull : nullptr;
-	// Volume keeping makes the response to compression 1 + 3 kappa times that to tension: that factor is applied everywhere, for stability.
-	const float elastic = step.alpha * ( 1.0f + 3.0f * step.volumeKeeping );
+	// Volume conservation also has the derivative kappa b m d^2 m, of either sign and at most kappa | m | times the stiffness of shape.
+	const float pressed = step.volumeKeeping * matcher.mostVolumeChange();
+	const float elastic = step.alpha * ( 1.0f + pressed );
 	const float sigma = step.numericalDamping;
 	const float gamma = 0.5f * ( 1.0f + sigma );
 	m_stiffness = gamma * elastic + step.h * step.damping;
+	m_volume = step.volumeKeeping * gamma * step.alpha / m_stiffness;
 	m_rates.prepare( matcher, nodes, runner, m_stiffness );
 	measurePinned();
 	// Nodes in one point cannot rotate, for any inertia.
@@ -108,7 +110,7 @@ void ImplicitMotion::begin(
 		// m ( 1 + G' ( 1 - P ) ) v* less m v*
 		AlignedArray<float> free( static_cast<std::size_t>( size() ) );
 		copyVelocities( free.data() );
-		m_rates.resist( free.data(), ( gamma - sigma ) * elastic, m_rightSide.data(), runner );
+		m_rates.resist( free.data(), ( gamma - sigma ) * elastic, m_rightSide.data(), runner, step.volumeKeeping / ( 1.0f + pressed ) );
 		for ( int k = 0; k < size(); ++k )
 		{
 			m_rightSide[k] -= nodes.mass[k % padded] * nodes.freedom[k % padded] * free[k];
@@ -131,7 +133,7 @@ void ImplicitMotion::beginFree( NodeState& nodes )
 {
 	m_nodes = &nodes;
 	m_pull = nullptr; // an explicit body's nodes have been drawn already
-	m_stiffness = 0.0f;
+	m_stiffness = m_volume = 0.0f;
 	m_rolling = m_turnFreedom = 0.0;
 }
 
@@ -162,7 +164,7 @@ void ImplicitMotion::apply( const float* v, float* to, TaskRunner* runner )
 	const int padded = m_nodes->padded;
 	if ( m_stiffness > 0.0f )
 	{
-		m_rates.resist( v, m_stiffness, to, runner );
+		m_rates.resist( v, m_stiffness, to, runner, m_volume );
 	}
 	else
 	{
@@ -269,7 +271,8 @@ Eigen::Vector3d ImplicitMotion::arm( int node ) const
 }
 
 // Masses: sum m ( 1, p )( 1, p )^T for each component of v. Elasticity: every region of a full lattice resists the symmetric part S of L
-// with its second moment, together G m mu d^2 |S|^2, and |S|^2 = sum over k, j of ( L_kj^2 + L_kj L_jk ) / 2.
+// with its second moment, together G m mu d^2 |S|^2, and |S|^2 = sum over k, j of ( L_kj^2 + L_kj L_jk ) / 2. Volume conservation resists
+// its trace: G volume m mu d^2 tr^2 S.
 Matrix12 ImplicitMotion::affineMatrix( int part ) const
 {
 	const double mass = m_rates.whole( part ).mass, affineMass = double( m_stiffness ) * mass * m_secondMoment,
@@ -287,6 +290,7 @@ Matrix12 ImplicitMotion::affineMatrix( int part ) const
 			}
 			matrix( 3 + 3 * j + k, 3 + 3 * j + k ) += 0.5 * affineMass + floor;
 			matrix( 3 + 3 * j + k, 3 + 3 * k + j ) += 0.5 * affineMass;
+			matrix( 3 + 4 * j, 3 + 4 * k ) += double( m_volume ) * affineMass;
 		}
 	}
 	if ( isHeld( part ) )

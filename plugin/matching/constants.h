@@ -41,10 +41,14 @@ inline constexpr double kStandardGravity = 9.80665;
 /// Larger alphas are clamped to this: the explicit step is stable up to here (derivation in docs/design/step.md).
 inline constexpr float kLargestAlpha = 1.0f;
 
+/// Response of a mode to its displacement from which on an explicit step is unstable: it overshoots by the full initial error.
+inline constexpr double kUnstableResponse = 4.0;
+
 /// alpha ( 1 + 3 kappa ) is kept below this; at 4 the response to compression overshoots by the full initial error.
 inline constexpr double kLargestVolumeAlpha = 3.5;
 
-inline constexpr float kLargestVolumeKeeping = 2.0f;
+/// Poisson's ratio 0.49.
+inline constexpr float kLargestVolumeKeeping = 24.5f;
 
 /// Largest region damping factor of a substep: with 0.87 a body of alpha 0.87 that hits a floor gains fifty times its energy, at 0.71 none.
 inline constexpr double kLargestDampingFraction = 0.5;

@@ -38,6 +38,8 @@ struct MatchStep
 	bool isOnePart = true;     ///< false: the body's cells may form several unlinked parts
 	float wobbleLength = 1.0f; ///< m, body length that `wobbleDamping` refers to; shorter parts are damped faster in proportion
 	float mostWobble = 1.0f;   ///< largest wobble damping factor of a substep (largestWobbleFraction)
+	float mostVolumeResponse = kAnyVolumeResponse; ///< largest response of volume conservation that is stable (largestVolumeResponse)
+	bool storesVolumeGradients = false;            ///< for the implicit step's operator, where volume is conserved
 
 	/// Wobble damping factor of the substep, f = 1 - exp(-rate h); `rate`: 1/s.
 	double wobbleFraction( double rate ) const { return std::min( double( mostWobble ), 1.0 - std::exp( -rate * double( h ) ) ); }

@@ -61,7 +61,7 @@ Status checkRanges( const Material& m )
 			{ isWithin( m.regionHalfWidth, 1, kLargestHalfWidth ), "Material::regionHalfWidth must lie in 1 to 4 cells." },
 			{ isWithin( m.damping, 0.0f, kLargestDamping ), "Material::damping must lie in [0, 1000] 1/s." },
 			{ isWithin( m.wobbleDamping, 0.0f, 1.0f ), "Material::wobbleDamping must lie in [0, 1]." },
-			{ isWithin( m.volumeKeeping, 0.0f, kLargestVolumeKeeping ), "Material::volumeKeeping must lie in [0, 2]." },
+			{ isWithin( m.volumeKeeping, 0.0f, kLargestVolumeKeeping ), "Material::volumeKeeping must lie in [0, 24.5]." },
 			{ m.stiffness != Stiffness::RawAlpha || m.alpha <= largestAlpha( m ),
 				"Material::alpha is too large for this volumeKeeping: alpha ( 1 + 3 kappa ) must be at most 3.5." },
 			{ isWithin( m.yieldStrain, 0.0f, kLargestYieldStrain ), "Material::yieldStrain must lie in [0, 10]." },

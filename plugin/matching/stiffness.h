@@ -3,6 +3,7 @@
 // Stiffness from region size: E = alpha rho d^2 mu / h^2, mu the second moment per axis of a full region, in cells^2.
 
 #include "matching/constants.h"
+#include "matching/kernels/volume_limits.h"
 #include "pliant/material.h"
 
 #include <algorithm>
@@ -31,6 +32,13 @@ inline double largestAlpha( const Material& material )
 {
 	const double kappa = material.method == Method::Lattice ? material.volumeKeeping : 0.0;
 	return std::min( double( kLargestAlpha ), kLargestVolumeAlpha / ( 1.0 + 3.0 * kappa ) );
+}
+
+/// Largest response to deformation that volume conservation may have in an explicit substep, in units of kappa: 3 at rest. That of a
+/// deformed region grows, and alpha ( 1 + response kappa ) must not exceed 4.
+inline float largestVolumeResponse( double alpha, double kappa )
+{
+	return kappa > 0.0 ? float( std::max( 0.0, kUnstableResponse / alpha - 1.0 ) / kappa ) : kAnyVolumeResponse;
 }
 
 /// Region damping factor of a substep, k = 1 - exp( - damping h ), limited to what is stable with `alpha`. A mode whose response factor is

@@ -52,12 +52,15 @@ Lattice tornBlock()
 // products with fifteen breaking elephants.
 TEST( ImplicitLevels, ComputeTheirDiagonal )
 {
-	for ( const Rule& rule : rules() )
+	const std::vector<Rule> all = rules();
+	for ( std::size_t which = 0; which < 2 * all.size(); ++which )
 	{
+		const Rule& rule = all[which / 2];
+		Material soft = material( 1.0f );
+		soft.volumeKeeping = which % 2 == 0 ? 0.0f : 2.0f;
 		for ( const Lattice& lattice : { makeBlockLattice( 12, 8, 8, 0.1f ), tornBlock() } )
 		{
-			Result<std::unique_ptr<Body>> made = Body::create(
-				std::make_shared<Lattice>( lattice ), material( 1.0f ), {}, nullptr, rule.settings );
+			Result<std::unique_ptr<Body>> made = Body::create( std::make_shared<Lattice>( lattice ), soft, {}, nullptr, rule.settings );
 			ASSERT_TRUE( made.ok() ) << made.status.sentence;
 			Body& body = *made.value;
 			splitHalf( body );

@@ -67,12 +67,25 @@ struct Rates
 	explicit Rates( Body& own, const Kernels& kernels = bestKernels() ) :
 		body( own ), matcher( own.lattice(), own.material(), own.levels()->tables(), kernels )
 	{
+		if ( body.material().volumeKeeping > 0.0f )
+		{
+			const NodeState before = body.nodes();
+			matcher.accelerate( body.nodes(), matchStep(), nullptr ); // stores the gradients of volume
+			body.nodes() = before;
+		}
 		rates.prepare( matcher, body.nodes(), nullptr );
+	}
+	/// Displaces each node to its goal in a step of 1 s.
+	static MatchStep matchStep()
+	{
+		MatchStep step{ 1.0f, 1.0f };
+		step.storesVolumeGradients = true;
+		return step;
 	}
 	std::vector<float> operator()( const std::vector<float>& v, float stiffness )
 	{
 		AlignedArray<float> in( v.begin(), v.end() ), out( v.size(), -1.0f );
-		rates.resist( in.data(), stiffness, out.data(), nullptr );
+		rates.resist( in.data(), stiffness, out.data(), nullptr, body.material().volumeKeeping );
 		return std::vector<float>( out.begin(), out.end() );
 	}
 	/// Returns the values of `of( node )`, component by component.

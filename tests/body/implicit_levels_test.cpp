@@ -29,7 +29,7 @@ std::vector<float> forceOf( Rates& r, const std::vector<float>& move )
 		nodes.v.set( i, Vec3::Zero() );
 	}
 	r.matcher.reset( nodes, Eigen::Quaterniond::Identity() );
-	r.matcher.accelerate( nodes, MatchStep{ 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, false, {}, {} }, nullptr );
+	r.matcher.accelerate( nodes, Rates::matchStep(), nullptr );
 	const std::vector<float> force = r.field( [&]( int i ) { return Vec3( -nodes.mass[i] * nodes.v.get( i ) ); } );
 	nodes = before;
 	return force;
@@ -37,9 +37,13 @@ std::vector<float> forceOf( Rates& r, const std::vector<float>& move )
 
 TEST( ImplicitLevels, TheirOperatorIsSymmetricLeavesRigidMotionsAndBoundsTheForcesDerivative )
 {
-	for ( const Rule& rule : rules() )
+	const std::vector<Rule> all = rules();
+	for ( std::size_t which = 0; which < 2 * all.size(); ++which )
 	{
-		auto body = make( 12, 8, 8, material( 1.0f ), rule.settings );
+		const Rule& rule = all[which / 2];
+		Material soft = material( 1.0f );
+		soft.volumeKeeping = which % 2 == 0 ? 0.0f : 2.0f;
+		auto body = make( 12, 8, 8, soft, rule.settings );
 		splitHalf( *body );
 		EXPECT_GT( body->levels()->nodesOnLevel()[2] * body->levels()->nodesOnLevel()[1] * body->levels()->nodesOnLevel()[0], 0 )
 			<< rule.name;
@@ -51,7 +55,7 @@ TEST( ImplicitLevels, TheirOperatorIsSymmetricLeavesRigidMotionsAndBoundsTheForc
 		for ( int k = 0; k < 5; ++k )
 		{
 			const std::vector<float> a = noise(), b = noise(), ka = r( a, 100.0f ), kb = r( b, 100.0f );
-			EXPECT_NEAR( product( b, ka ) / product( a, kb ), 1.0, 2e-3 ) << rule.name;
+			EXPECT_NEAR( product( b, ka ), product( a, kb ), 3e-5 * std::sqrt( product( a, ka ) * product( b, kb ) ) ) << rule.name;
 			// v . A v with the stiffness 1, without the masses' part, against v . f of a small displacement.
 			std::vector<float> small = a;
 			for ( float& value : small )

@@ -76,8 +76,9 @@ struct Material
 	/// Blend of the goal from the rigid fit (0) to the best linear or quadratic one, [0, 0.95]; larger is softer. Ohta et al. 2009, eq. 5.
 	float beta = 0.0f;
 
-	/// Volume conservation, kappa, [0, 2]: a compressed body bulges, with Poisson's ratio nu = kappa / ( 2 kappa + 1 ): 0.5 gives 0.25, 1
-	/// gives 0.33, 2 gives 0.4. 0: nu = 0, at no cost. Young's modulus stays as set; the largest one that can be reached changes slightly.
+	/// Volume conservation, kappa, [0, 24.5]: a compressed body bulges, and a stretched one becomes thinner, with Poisson's ratio nu =
+	/// kappa / ( 2 kappa + 1 ): 0.5 gives 0.25, 2 gives 0.4, 24.5 gives 0.49, at strains of any size. 0: nu = 0, at no cost. Young's
+	/// modulus stays as set; the largest one that the explicit step reaches falls: its alpha is at most 3.5 / ( 1 + 3 kappa ).
 	/// Method::Lattice only.
 	float volumeKeeping = 0.0f;
 

@@ -72,7 +72,7 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 		m_rates.pull = m_pull.data();
 		m_rates.rows = m_view.memberMass && !m_isRowByRow ? m_rows.view() : RowSlices{};
 	}
-	if ( tables.usesGrid && !m_gridHasHoles && !m_isRowByRow )
+	if ( tables.usesGrid && !m_gridHasHoles && !m_isRowByRow && !m_view.volumeGradient[0] )
 	{
 		if ( !isMeasured )
 		{
@@ -115,7 +115,7 @@ void StrainRates::measureRegions( TaskRunner* runner )
 		std::fill( m_view.nodeRecord, m_view.nodeRecord + m_recordFloats, 0.0f );
 	}
 	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->inertiaRecords( m_rates, begin, end ); } );
-	sumRecords( m_view.nodeRecord, false, runner );
+	sumRecords( m_view.nodeRecord, RecordSize::Whole, runner );
 	overNodes( m_padded, runner,
 		[&]( int chunk, int begin, int end ) { m_raised[std::size_t( chunk )] = m_kernels->regionInertias( m_rates, begin, end ); } );
 	m_isRaised = std::find( m_raised.begin(), m_raised.end(), 1 ) != m_raised.end();
@@ -201,13 +201,15 @@ void StrainRates::measureFractions( const RegionTables& tables )
 	}
 }
 
-void StrainRates::sumRecords( float* records, bool isOfRates, TaskRunner* runner )
+void StrainRates::sumRecords( float* records, RecordSize size, TaskRunner* runner )
 {
 	if ( m_plan )
 	{
-		isOfRates ? depthSumHalf( *m_plan, records ) : depthSum( *m_plan, records );
+		size == RecordSize::Half ? depthSumHalf( *m_plan, records ) : depthSum( *m_plan, records );
 	}
-	const auto boxPlane = isOfRates ? m_kernels->boxPlaneHalf : m_kernels->boxPlane;
+	const auto boxPlane = size == RecordSize::Half ? m_kernels->boxPlaneHalf
+		: size == RecordSize::Full                 ? m_kernels->boxPlaneFull
+												   : m_kernels->boxPlane;
 	auto task = [&]( int z ) { boxPlane( m_view, records, z ); };
 	runTasks( runner, m_view.gridZ, task );
 }
@@ -216,7 +218,8 @@ void StrainRates::sumRates( bool isOfRegions, TaskRunner* runner )
 {
 	if ( !m_rates.flat.node[0] )
 	{
-		sumRecords( isOfRegions ? m_view.regionRecord : m_view.nodeRecord, true, runner );
+		sumRecords(
+			isOfRegions ? m_view.regionRecord : m_view.nodeRecord, m_view.volumeGradient[0] ? RecordSize::Full : RecordSize::Half, runner );
 		return;
 	}
 	for ( int axis = 0; axis < 2; ++axis )
@@ -249,7 +252,7 @@ void StrainRates::measureRigidMotion( const float* const* velocity, TaskRunner* 
 	}
 }
 
-void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner* runner )
+void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner* runner, float volume )
 {
 	for ( int k = 0; k < 3; ++k )
 	{
@@ -257,6 +260,7 @@ void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner
 		m_rates.result[k] = to + std::size_t( k ) * std::size_t( m_padded );
 	}
 	m_rates.stiffness = stiffness;
+	m_rates.volume = volume;
 	if ( m_parts->areSeveral() )
 	{
 		resistByPart( v, to, runner );
@@ -280,7 +284,7 @@ void StrainRates::applyRegions( TaskRunner* runner )
 {
 	if ( m_gridHasHoles )
 	{
-		const std::size_t floats = m_recordFloats / kRecordFloats * kRateFloats;
+		const std::size_t floats = m_view.volumeGradient[0] ? m_recordFloats : m_recordFloats / kRecordFloats * kRateFloats;
 		std::fill( m_view.nodeRecord, m_view.nodeRecord + floats, 0.0f );
 		std::fill( m_view.regionRecord, m_view.regionRecord + floats, 0.0f );
 	}

@@ -9,12 +9,15 @@
 // so 1 - P is symmetric under the masses, positive semidefinite, and zero for rigid motions of the whole body: rotations are not braked,
 // and momentum is conserved. Rivers and James 2007, section 5, use the same projection for damping. It is the derivative of the matching
 // force for unstrained regions. Of the contribution of strain only tension is added, where the step does not resolve it: T is raised, so
-// that a rotated region is pulled back (kernels/kernel_rates.h, raiseTaut). Compression, which can make the derivative indefinite, is left
-// out.
+// that a rotated region is pulled back (kernels/kernel_inertia.h, raiseTaut). Compression, which can make the derivative indefinite, is
+// left out.
 //
 // A collinear region has no inertia about its line, and float precision does not resolve the small inertia of a slightly bent one: such T
 // are raised too. Where any T is raised, P removes slightly less than a rigid motion. To stay symmetric, and zero for rigid motions of the
 // whole body, the operator is then ( 1 - Q ) ( 1 - P ) ( 1 - Q ), Q the projection onto those.
+//
+// Material::volumeKeeping kappa adds kappa times the second derivative of the energy of volume conservation (volumeRates in
+// kernels/kernel_rates.h), with the gradients that the last matching stored: A v = m ( v + G ( v - P v + volume V v ) ).
 //
 // Nodes on several levels: a region's energy is ( 1 - eta ) | n |^2 + | F - R |^2 in J_fine = J C, n the non-affine part of the motion
 // (level_tables.h). With g_r = b_r max( 1 - eta, largest stretch of C ) the operator is an upper bound of that, and equal to it for affine
@@ -66,7 +69,8 @@ public:
 	void measureBody( const NodeState& nodes, const ConnectedParts* parts = nullptr );
 
 	/// to = A v for free nodes, 0 for the others: m ( v + stiffness ( v - P v ) ). Arrays are `padded` long each, component by component.
-	void resist( const float* v, float stiffness, float* to, TaskRunner* runner );
+	/// `volume`: resistance of a body that conserves its volume to changes of it, relative to `stiffness`: kappa, without other damping.
+	void resist( const float* v, float stiffness, float* to, TaskRunner* runner, float volume = 0.0f );
 
 	/// The mean of A's three diagonal entries of a node is m ( 1 + stiffness diagonal[i] ).
 	const AlignedArray<float>& diagonal() const { return m_diagonal; }
@@ -81,7 +85,13 @@ private:
 	void measureFractions( const RegionTables& tables );
 	void measureDiagonal( const RegionTables& tables );
 	void measureRegions( TaskRunner* runner ); ///< positions and inertias
-	void sumRecords( float* records, bool isOfRates, TaskRunner* runner );
+	enum class RecordSize : int
+	{
+		Half,  ///< rates
+		Whole, ///< inertias
+		Full   ///< rates of bodies that conserve their volume
+	};
+	void sumRecords( float* records, RecordSize size, TaskRunner* runner );
 	void sumRates( bool isOfRegions, TaskRunner* runner );
 	void measureRigidMotion( const float* const* velocity, TaskRunner* runner );
 	void applyRegions( TaskRunner* runner );

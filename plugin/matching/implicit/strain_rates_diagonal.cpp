@@ -3,6 +3,7 @@
 #include "matching/implicit/strain_rates.h"
 #include "matching/regions/region_members.h"
 #include "matching/step/lattice_matcher.h"
+#include "matching/volume_law.h"
 
 #include <Eigen/LU>
 
@@ -84,10 +85,36 @@ struct Compliance
 	}
 };
 
+/// Resistance of a region at rest to changes of its volume: B J^+ and b of volumeMatrix, in cells.
+struct VolumeResistance
+{
+	Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
+	double mean = 0.0;
+
+	VolumeResistance( const RegionTables& tables, std::size_t r )
+	{
+		double extents = 3.0;
+		Eigen::Matrix3d inverse, moment;
+		for ( int k = 0; k < 9; ++k )
+		{
+			const int symmetric = k % 4 == 0 ? k / 4 : 6 - k / 3 - k % 3; // xx yy zz yz xz xy
+			inverse( k / 3, k % 3 ) = double( tables.moments.inverseMoment[symmetric][r] );
+			moment( k / 3, k % 3 ) = double( tables.moments.moment[symmetric][r] );
+			extents -= k % 4 == 0 && !tables.outOfPlane[0].empty() ? double( tables.outOfPlane[symmetric][r] ) : 0.0;
+		}
+		mean = volumeMean( inverse, extents );
+		gradient = volumeWeights( moment, mean, extents ) * inverse;
+	}
+
+	/// The trace of b ( B J^+ d )( B J^+ d )^T, d from the centre to the node, cells.
+	double at( const Eigen::Vector3d& d ) const { return mean * ( gradient * d ).squaredNorm(); }
+};
+
 } // namespace
 
 // The diagonal block of P at node i is sum over its regions of g_r a_i / C_i ( 1 / M_r 1 + [d]^T T_r^-1 [d] ), d from the region's centre
-// to the node. Its trace does not depend on the body's rotation: it is measured at rest, once per region tables.
+// to the node; that of V, g_r a_i / C_i b ( B J^+ d )( B J^+ d )^T. Their traces do not depend on the body's rotation: they are measured at
+// rest, once per region tables.
 void StrainRates::measureDiagonal( const RegionTables& tables )
 {
 	const RegionMembers members( tables, m_view );
@@ -109,6 +136,12 @@ void StrainRates::measureDiagonal( const RegionTables& tables )
 		} );
 		region[r] = Compliance( sums, own );
 	}
+	std::vector<VolumeResistance> volume;
+	const double kappa = double( m_view.volumeFraction ), perMetre = double( m_view.cellsPerMetre );
+	for ( std::size_t r = 0; kappa > 0.0 && r < node.size(); ++r )
+	{
+		volume.emplace_back( tables, r );
+	}
 	m_diagonal.assign( std::size_t( m_padded ), 0.0f );
 	for ( std::size_t i = 0; i < node.size(); ++i )
 	{
@@ -119,6 +152,12 @@ void StrainRates::measureDiagonal( const RegionTables& tables )
 			// With conserving weights a node's weight in the region's sums equals the region's weight in the node's goal.
 			const double weight = isWeighed ? double( tables.matrix->fraction[k] ) : 1.0;
 			sum += weight * fraction * std::max( 0.0, 1.0 - weight * own.a * region[r].complianceAt( own ) / 3.0 );
+			if ( kappa > 0.0 )
+			{
+				const Eigen::Vector3d arm( own.x - region[r].x, own.y - region[r].y, own.z - region[r].z );
+				const double share = 1.0 - double( m_view.regionBeta ? m_view.regionBeta[r] : m_view.beta );
+				sum += weight * fraction * share * kappa * weight * own.a * volume[r].at( arm * perMetre ) / 3.0;
+			}
 		} );
 		m_diagonal[i] = float( sum * double( m_view.inverseCover[i] ) );
 	}

@@ -202,8 +202,8 @@ inline Mat deformationLessOne( const MatchView& view, const Mat& a, const Mat& r
 	return f;
 }
 
-/// L - 1 from R - 1 and F - 1: L = R + beta ( F - R ) (Ohta et al. 2009, eq. 5), or F + ( R - F ) C^T with a tensor, and then - tr( R^T F -
-/// 1 ) kappa b ( R J^+ + h x R ) for volume keeping, with the trace clamped to -1 .. 1.
+/// L - 1 from R - 1 and F - 1: L = R + beta ( F - R ) (Ohta et al. 2009, eq. 5), or F + ( R - F ) C^T with a tensor, less the force of
+/// volume conservation (volumeMatrix).
 inline Mat goalMatrix( const MatchView& view, const Mat& a, const Mat& rLessOne, const Mat& fLessOne, int r )
 {
 	const V beta = view.regionBeta ? load( view.regionBeta + r ) : splat( view.beta );
@@ -236,25 +236,10 @@ inline Mat goalMatrix( const MatchView& view, const Mat& a, const Mat& rLessOne,
 	}
 	if ( view.volumeFraction > 0.0f )
 	{
-		// tr( R^T F ) - 3 = tr( ( R^T - 1 ) ( F - 1 ) ) + tr( R - 1 ) + tr( F - 1 )
-		V trace = V{};
-		for ( int i = 0; i < 3; ++i )
+		const Mat pushed = volumeMatrix( view, fittedMatrix( view, a, r ), rLessOne, fLessOne, 1.0f - beta, r );
+		for ( int k = 0; k < 9; ++k )
 		{
-			trace = trace + ( rLessOne.m[i][i] + fLessOne.m[i][i] );
-			for ( int j = 0; j < 3; ++j )
-			{
-				trace = trace + rLessOne.m[i][j] * fLessOne.m[i][j];
-			}
-		}
-		trace = select( trace > 1.0f, splat( 1.0f ), select( trace < -1.0f, splat( -1.0f ), trace ) );
-		const Mat pushed = volumeMatrix(
-			view, fittedMatrix( view, a, r ), rLessOne, fLessOne, view.volumeFraction * ( ( 1.0f - beta ) * trace ), r );
-		for ( int i = 0; i < 3; ++i )
-		{
-			for ( int j = 0; j < 3; ++j )
-			{
-				l.m[i][j] = l.m[i][j] - pushed.m[i][j];
-			}
+			l.m[k / 3][k % 3] = l.m[k / 3][k % 3] - pushed.m[k / 3][k % 3];
 		}
 	}
 	return l;

@@ -28,6 +28,7 @@ constexpr int kVirtualLanes = 16;
 #include "matching/kernels/kernel_fit.h"
 #include "matching/kernels/kernel_far.h"
 #include "matching/kernels/kernel_boxes.h"
+#include "matching/kernels/kernel_inertia.h"
 #include "matching/kernels/kernel_rates.h"
 #include "matching/kernels/kernel_sums.h"
 #include "matching/kernels/kernel_motion.h"
@@ -163,6 +164,11 @@ void boxPlane( const MatchView& view, float* records, int z )
 void boxPlaneHalf( const MatchView& view, float* records, int z )
 {
 	boxPlaneOfSize<Half>( view, records, z );
+}
+
+void boxPlaneFull( const MatchView& view, float* records, int z )
+{
+	boxPlaneOfSize<Full>( view, records, z );
 }
 
 int fitRegions( const MatchView& view, int begin, int end, std::uint32_t* open )
@@ -364,7 +370,7 @@ void deformations( const MatchView& view, int begin, int end, float* gradients )
 
 extern const Kernels PLIANT_KERNEL_TABLE;
 const Kernels PLIANT_KERNEL_TABLE = { &frameSums, &nodeRecords, &boxPlane, &fitRegions, &finishRegion, &scatter, &apply, &regionMatrix,
-	&deformations, &sumRecords, &inertiaRecords, &regionInertias, &rateSums, &rateRecords, &boxPlaneHalf, &boxRows, &rigidRates, &resist,
-	&resistPart, &finishResist, &push, &advance, &dot, &affineSums, &addAffine, PLIANT_KERNEL_NAME };
+	&deformations, &sumRecords, &inertiaRecords, &regionInertias, &rateSums, &rateRecords, &boxPlaneHalf, &boxPlaneFull, &boxRows,
+	&rigidRates, &resist, &resistPart, &finishResist, &push, &advance, &dot, &affineSums, &addAffine, PLIANT_KERNEL_NAME };
 
 } // namespace pliant

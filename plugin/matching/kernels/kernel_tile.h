@@ -43,10 +43,10 @@ struct LaneSums
 	}
 };
 
-/// Twelve rows of one tile, component by component.
+/// The rows of one tile, component by component: twelve of them, or all of a Full record.
 struct Tile
 {
-	alignas( 64 ) float row[kRecordUsed][kTile];
+	alignas( 64 ) float row[kRecordFloats][kTile];
 };
 
 inline void storeGroup( Tile& tile, int first, F4 a, F4 b, F4 c, F4 d, int at )
@@ -64,9 +64,13 @@ inline void storeColumns( Tile& tile, const RecordOf<Size> ( &r )[4], int at )
 {
 	storeGroup( tile, 0, quarter<0>( r[0] ), quarter<0>( r[1] ), quarter<0>( r[2] ), quarter<0>( r[3] ), at );
 	storeGroup( tile, 4, quarter<1>( r[0] ), quarter<1>( r[1] ), quarter<1>( r[2] ), quarter<1>( r[3] ), at );
-	if constexpr ( Size::groups == 3 )
+	if constexpr ( Size::groups >= 3 )
 	{
 		storeGroup( tile, 8, quarter<2>( r[0] ), quarter<2>( r[1] ), quarter<2>( r[2] ), quarter<2>( r[3] ), at );
+	}
+	if constexpr ( Size::groups == 4 )
+	{
+		storeGroup( tile, 12, quarter<3>( r[0] ), quarter<3>( r[1] ), quarter<3>( r[2] ), quarter<3>( r[3] ), at );
 	}
 }
 

@@ -7,6 +7,8 @@
 //   u_i = R_b^T (x_i - c_b) / d - q_i,   q_i = rest position / d
 // so that a rigid motion of the whole body leaves u = 0 and only deformation is summed, subtracted and rounded.
 
+#include "matching/kernels/volume_limits.h"
+
 #include <cstdint>
 
 namespace pliant {
@@ -64,9 +66,12 @@ struct MatchView
 	const float* outOfPlane[6] = {};   ///< 1 - J J^+ of flat and thin regions: along these directions F equals R. Null: all are solid
 	const float* plastic[9] = {};      ///< S_p - 1, row-major; `inverseMoment` is then that of the plastic rest shape
 	float volumeFraction = 0.0f;       ///< kappa
-	float* strain = nullptr;           ///< out: sum over the singular values s of F of ( s - 1 )^2, per region
-	float* stretch = nullptr;          ///< out, with strain: upper bound of the largest s - 1, per region
-	float* quaternion[4] = {};         ///< w, x, y, z: rotation relative to the body frame
+	float mostVolumeResponse = kAnyVolumeResponse; ///< bound of the response of volume conservation relative to kappa, 3 at rest
+	float* volumeGradient[9] = {};                 ///< out: b^1/2 dm / dx on rest positions, world axes, of volumeMatrix. Null: not wanted
+	float* volumeSize = nullptr;                   ///< out, with volumeGradient: m
+	float* strain = nullptr;                       ///< out: sum over the singular values s of F of ( s - 1 )^2, per region
+	float* stretch = nullptr;                      ///< out, with strain: upper bound of the largest s - 1, per region
+	float* quaternion[4] = {};                     ///< w, x, y, z: rotation relative to the body frame
 
 	// Records: one line per node or region; on the grid one line per lattice position.
 	float* nodeRecord = nullptr;
@@ -143,6 +148,7 @@ struct RateView
 	const float* pull = nullptr;           ///< of each node: sum of its regions' g_r / C; null: 1
 	RowSlices rows;                        ///< of nodes on several levels
 	FlatRows flat;                         ///< of a lattice that fills its grid
+	float volume = 0.0f;                   ///< resistance to a change of volume relative to `stiffness`
 	const float* rate[3] = {};             ///< v
 	float* result[3] = {};
 	float stiffness = 0.0f;  ///< G
@@ -232,6 +238,8 @@ struct Kernels
 	void ( *rateRecords )( const RateView&, int begin, int end );
 	/// As boxPlane, for the records of kRateFloats floats that rateRecords and rigidRates write.
 	void ( *boxPlaneHalf )( const MatchView&, float* records, int z );
+	/// As boxPlane, for all kRecordFloats floats: the rates of bodies that conserve their volume.
+	void ( *boxPlaneFull )( const MatchView&, float* records, int z );
 	/// Replaces it with flat rows: the nodes' or the regions' rows are summed along x, into the others', then along y and back. The gather
 	/// sums along z.
 	void ( *boxRows )( const RateView&, bool isOfRegions, int axis, int begin, int end );

@@ -90,6 +90,13 @@ struct Whole
 	static constexpr int floats = 16, groups = 3, pieces = PLIANT_LANE_WIDTH == 16 ? 1 : PLIANT_LANE_WIDTH == 8 ? 2 : 3;
 };
 
+/// A record of 16 floats of which all are used.
+struct Full
+{
+	using Piece = V;
+	static constexpr int floats = 16, groups = 4, pieces = 16 / PLIANT_LANE_WIDTH;
+};
+
 /// A record of 8 floats: one vector of 8, or two of 4.
 struct Half
 {
@@ -159,7 +166,7 @@ inline RecordOf<Size> operator*( const RecordOf<Size>& a, float b )
 	return r;
 }
 
-/// Floats 4k to 4k + 3 of a record, k in 0 .. 2.
+/// Floats 4k to 4k + 3 of a record, k in 0 .. 3.
 template <int k, class Size>
 inline F4 quarter( const RecordOf<Size>& r )
 {

@@ -4,12 +4,21 @@
 
 namespace pliant {
 
-/// b of volume keeping (volumeMatrix, volumeMean): b tr( J^+ ), the stiffness against compression, is at most this multiple of its value
-/// for equal moments. At 1, the smallest of these means, E of a bar of 6 x 6 cells is .95 of the set value at kappa 2; the explicit step is
-/// stable up to 1.17.
+/// b of volume conservation (volumeMean): b tr( J^+ ), the stiffness against compression, is at most this multiple of its value for equal
+/// moments. The explicit step is stable up to 1.17.
 inline constexpr float kVolumeLimit = 1.15f;
 
-/// Volume keeping does not rotate regions so thin that the determinant of tr M - M is below this fraction of their moments' sum cubed.
+/// Share of a region's own moments in the weights B of volume conservation: a bar of 6 x 6 cells has the Poisson's ratio that is set,
+/// and .97 of Young's modulus (.95 without); with more it contracts too much.
+inline constexpr float kMomentShare = 0.25f;
+
+/// Volume conservation does not rotate regions so thin that the determinant of tr M - M is below this fraction of their moments' sum cubed.
 inline constexpr float kLeastTurning = 1e-3f;
+
+/// Newton steps to the volume-preserving shape: from a strain of 1 they leave less than float rounding.
+inline constexpr int kVolumeSteps = 7;
+
+/// MatchView::mostVolumeResponse of a step that bears any stiffness.
+inline constexpr float kAnyVolumeResponse = 1e30f;
 
 } // namespace pliant

@@ -158,6 +158,11 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 	v.beta = m_beta;
 	v.rotationFromF = m_rotationFromF;
 	v.volumeFraction = m_volumeFraction;
+	for ( int k = 0; k < 9 && !m_volumeSize.empty(); ++k )
+	{
+		v.volumeGradient[k] = m_volumeGradient[k].data();
+		v.volumeSize = m_volumeSize.data();
+	}
 	v.pull = m_tables->pull.empty() ? nullptr : m_tables->pull.data();
 	viewBlend( v );
 	if ( m_tables->matrix )
@@ -273,58 +278,23 @@ void LatticeMatcher::settleOpenRegions( const MatchView& view )
 	}
 }
 
-// Two rigid motions are subtracted from the change, both about the current positions, where they act:
-// - the rounding errors of the internal forces' net impulse and torque, which should be zero;
-// - the part of the wobble damping -k v that brakes the body as a whole: - k ( v - V - Omega x p ) remains.
-void LatticeMatcher::correctRigidMotion( MatchView& view, float h ) const
-{
-	double sum[kImpulseSums] = {};
-	for ( const auto& partial : m_partial )
-	{
-		for ( int k = 0; k < kImpulseSums; ++k )
-		{
-			sum[k] += partial[k];
-		}
-	}
-	const Eigen::Matrix3d rotation = m_frame.toRotationMatrix();
-	const Vec3d centre = toVec3d( sum + 6 ) / m_mass; // cells, body frame
-	const Vec3d pivot = rotation * centre * m_cellSize;
-
-	// I = sum m ( |p|^2 1 - p p^T ) about the mass centre
-	Eigen::Matrix3d second;
-	second << sum[9], sum[14], sum[13], sum[14], sum[10], sum[12], sum[13], sum[12], sum[11];
-	second -= m_mass * centre * centre.transpose();
-	const Eigen::Matrix3d inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
-	const Eigen::Matrix3d inverseInertia = flooredInverse( inertia, kInertiaFloor ); // 1 / (kg cells^2)
-
-	Vec3d shift = Vec3d::Zero(), turn = Vec3d::Zero();
-	if ( m_keepsMomentum )
-	{
-		const Vec3d impulse = toVec3d( sum );
-		shift += rotation * impulse / m_mass * view.speedPerCell;
-		turn += rotation * ( inverseInertia * ( toVec3d( sum + 3 ) - centre.cross( impulse ) ) ) / h;
-	}
-	const Vec3d momentum = toVec3d( sum + 15 );
-	const Vec3d spin = toVec3d( sum + 18 ) - pivot.cross( momentum );
-	const double perSquareMetre = 1.0 / ( double( m_cellSize ) * m_cellSize );
-	shift -= view.wobbleFraction * momentum / m_mass;
-	turn -= view.wobbleFraction * ( rotation * ( inverseInertia * ( rotation.transpose() * spin ) ) ) * perSquareMetre;
-	for ( int k = 0; k < 3; ++k )
-	{
-		view.shift[k] = float( shift[k] );
-		view.turn[k] = float( turn[k] );
-		view.pivot[k] = float( view.frameCentre[k] + pivot[k] );
-	}
-}
-
 void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* runner )
 {
+	if ( step.storesVolumeGradients && m_volumeFraction > 0.0f )
+	{
+		m_volumeSize.resize( m_tables->moments.padded );
+		for ( AlignedArray<float>& component : m_volumeGradient )
+		{
+			component.resize( m_tables->moments.padded );
+		}
+	}
 	MatchView v = view( nodes );
 	v.alpha = step.alpha;
 	v.bodyFraction = step.bodyFraction;
 	v.dampingFraction = dampingFraction( double( step.damping ), double( step.h ), double( step.alpha ), double( m_volumeFraction ) );
 	v.wobbleFraction = float( step.wobbleFraction( double( step.wobbleDamping ) ) );
 	v.speedPerCell = m_cellSize / step.h;
+	v.mostVolumeResponse = step.mostVolumeResponse;
 	if ( m_isHistoryForeign )
 	{
 		v.dampingFraction = 0.0f;
@@ -399,6 +369,16 @@ void LatticeMatcher::nodeRotations( const NodeState& nodes, float* quaternions )
 	}
 }
 
+float LatticeMatcher::mostVolumeChange() const
+{
+	float most = 0.0f;
+	for ( int r = 0; r < m_tables->moments.count && !m_volumeSize.empty(); ++r )
+	{
+		most = std::max( most, std::min( 1.0f, std::abs( m_volumeSize[std::size_t( r )] ) ) );
+	}
+	return most;
+}
+
 std::size_t LatticeMatcher::bytes() const
 {
 	std::size_t bytes = ( m_nodeRecord.size() + m_regionRecord.size() ) * sizeof( float ) + m_open.size() * sizeof( std::uint32_t );
@@ -410,7 +390,8 @@ std::size_t LatticeMatcher::bytes() const
 	{
 		bytes += ( m_residual[k].size() + m_change[k].size() ) * sizeof( float );
 	}
-	bytes += ( m_strain.size() + m_stretch.size() ) * sizeof( float ) + m_nodeMotion.size() * sizeof( NodeMotion );
+	bytes += ( m_strain.size() + m_stretch.size() + 10 * m_volumeSize.size() ) * sizeof( float ) +
+		m_nodeMotion.size() * sizeof( NodeMotion );
 	bytes += ( m_plastic ? m_plastic->bytes() : 0 ) + ( m_far ? m_far->bytes() : 0 );
 	bytes += m_neededNodeTiles.size() + m_neededRegionTiles.size();
 	bytes += m_parts.bytes() + m_partLength.size() * sizeof( float );

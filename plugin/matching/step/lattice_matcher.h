@@ -67,6 +67,9 @@ public:
 	bool nodeFlow( int count, float* stretches ) const override;
 	/// For each region, the sum over the singular values s of F of ( s - 1 )^2, as last measured (MatchStep::measuresStrain).
 	const AlignedArray<float>& strain() const { return m_strain; }
+	/// The largest change of volume of a region, | m | of kernels/kernel_volume.h up to 1, at the last `accelerate` that stored its
+	/// gradients; 0 if none did.
+	float mostVolumeChange() const;
 	/// The same for the upper bound of the largest s - 1, in which compression counts little.
 	const AlignedArray<float>& stretch() const { return m_stretch; }
 	/// The body's own rotation, as of the last substep.
@@ -137,7 +140,8 @@ private:
 	// Scratch of one substep.
 	double m_mass = 0.0; ///< kg
 	AlignedArray<float> m_change[3];
-	AlignedArray<float> m_strain, m_stretch; ///< empty until first measured
+	AlignedArray<float> m_strain, m_stretch;               ///< empty until first measured
+	AlignedArray<float> m_volumeGradient[9], m_volumeSize; ///< empty until an implicit step conserves volume
 	AlignedArray<float> m_nodeRecord, m_regionRecord;
 	std::vector<std::uint32_t> m_open;
 	std::vector<int> m_openCount;

@@ -19,6 +19,7 @@ void LatticeMatcher::setTables( std::shared_ptr<const RegionTables> tables, cons
 	++m_tablesVersion;
 	m_strain.clear();
 	m_stretch.clear();
+	m_volumeSize.clear();
 	const std::size_t padded = std::size_t( m_tables->moments.padded );
 	for ( AlignedArray<float>* array : history() )
 	{

@@ -1,4 +1,4 @@
-// LatticeMatcher for a body in several parts (connected_parts.h): corrections for rigid motion are applied to each part.
+// Corrections of LatticeMatcher for rigid motion: of the whole body, or of each part of one in several parts (connected_parts.h).
 
 #include "matching/step/lattice_matcher.h"
 
@@ -32,6 +32,50 @@ Vec3d at( float* const* component, int i )
 }
 
 } // namespace
+
+// Two rigid motions are subtracted from the change, both about the current positions, where they act:
+// - the rounding errors of the internal forces' net impulse and torque, which should be zero;
+// - the part of the wobble damping -k v that brakes the body as a whole: - k ( v - V - Omega x p ) remains.
+void LatticeMatcher::correctRigidMotion( MatchView& view, float h ) const
+{
+	double sum[kImpulseSums] = {};
+	for ( const auto& partial : m_partial )
+	{
+		for ( int k = 0; k < kImpulseSums; ++k )
+		{
+			sum[k] += partial[k];
+		}
+	}
+	const Eigen::Matrix3d rotation = m_frame.toRotationMatrix();
+	const Vec3d centre = Vec3d::Map( sum + 6 ) / m_mass; // cells, body frame
+	const Vec3d pivot = rotation * centre * m_cellSize;
+
+	// I = sum m ( |p|^2 1 - p p^T ) about the mass centre
+	Eigen::Matrix3d second;
+	second << sum[9], sum[14], sum[13], sum[14], sum[10], sum[12], sum[13], sum[12], sum[11];
+	second -= m_mass * centre * centre.transpose();
+	const Eigen::Matrix3d inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
+	const Eigen::Matrix3d inverseInertia = flooredInverse( inertia, kInertiaFloor ); // 1 / (kg cells^2)
+
+	Vec3d shift = Vec3d::Zero(), turn = Vec3d::Zero();
+	if ( m_keepsMomentum )
+	{
+		const Vec3d impulse = Vec3d::Map( sum );
+		shift += rotation * impulse / m_mass * view.speedPerCell;
+		turn += rotation * ( inverseInertia * ( Vec3d::Map( sum + 3 ) - centre.cross( impulse ) ) ) / h;
+	}
+	const Vec3d momentum = Vec3d::Map( sum + 15 );
+	const Vec3d spin = Vec3d::Map( sum + 18 ) - pivot.cross( momentum );
+	const double perSquareMetre = 1.0 / ( double( m_cellSize ) * m_cellSize );
+	shift -= view.wobbleFraction * momentum / m_mass;
+	turn -= view.wobbleFraction * ( rotation * ( inverseInertia * ( rotation.transpose() * spin ) ) ) * perSquareMetre;
+	for ( int k = 0; k < 3; ++k )
+	{
+		view.shift[k] = float( shift[k] );
+		view.turn[k] = float( turn[k] );
+		view.pivot[k] = float( view.frameCentre[k] + pivot[k] );
+	}
+}
 
 void LatticeMatcher::updateParts( const MatchView& view, bool isOnePart )
 {

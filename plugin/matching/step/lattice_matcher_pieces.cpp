@@ -33,6 +33,7 @@ void LatticeMatcher::relink( const Lattice& lattice, std::shared_ptr<const Regio
 	++m_tablesVersion;
 	m_strain.clear();
 	m_stretch.clear();
+	m_volumeSize.clear();
 	for ( AlignedArray<float>* array : history() )
 	{
 		m_historyScratch = *array; // keeps the entries beyond the last node

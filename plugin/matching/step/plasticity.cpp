@@ -2,7 +2,8 @@
 
 #include "lattice/lattice.h"
 #include "matching/constants.h"
-#include "matching/volume_mean.h"
+#include "matching/rotation.h"
+#include "matching/volume_law.h"
 
 #include <Eigen/Dense>
 
@@ -82,9 +83,10 @@ double FlowingRegion::energy( const Eigen::Matrix3d& fitted, const Eigen::Matrix
 	{
 		return shape;
 	}
-	// Consistent with goalMatrix: kappa b tr( E ), with the trace clamped to -1 .. 1.
-	const double trace = ( strain * inPlane ).trace(), size = std::abs( trace );
-	return shape + volumeKeeping * volumeMean( back * inverse * back, inPlane.trace() ) * ( size < 1.0 ? 0.5 * size * size : size - 0.5 );
+	const double extents = inPlane.trace(), mean = volumeMean( back * inverse * back, extents );
+	const Eigen::Matrix3d one = Eigen::Matrix3d::Identity(), out = one - inPlane, own = ( inverse + out ).inverse() - out; // J
+	const double size = volumeStrain( one + strain, volumeWeights( own, mean, extents ) ).size;
+	return shape + volumeKeeping * mean * volumeEnergy( size );
 }
 
 bool flowStretch( const PlasticLaw& law, float h, const FlowingRegion& region, Eigen::Matrix3d& stretch )
@@ -103,7 +105,12 @@ bool flowStretch( const PlasticLaw& law, float h, const FlowingRegion& region, E
 		const UnitStretch to = unitStretchOf( ( one + flow ) * stretch, law.limit );
 		// A flat region stays in its plane.
 		const Eigen::Matrix3d out = one - region.inPlane, next = region.inPlane * to.stretch * region.inPlane + out * to.stretch * out;
-		const bool isLess = region.energy( region.rotation * to.rotation, next ) < before;
+		Eigen::Matrix3d rotation = region.rotation * to.rotation;
+		if ( region.volumeKeeping > 0.0 ) // the rotation that fits shapes best is not the one of least energy then
+		{
+			rotation = fitRotation( region.total * region.moment * next, Eigen::Quaterniond( rotation ) ).toRotationMatrix();
+		}
+		const bool isLess = region.energy( rotation, next ) < before;
 		stretch = isLess ? next : stretch;
 		return isLess;
 	};

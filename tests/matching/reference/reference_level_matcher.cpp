@@ -2,7 +2,7 @@
 
 #include "matching/rotation.h"
 #include "matching/step/plasticity.h"
-#include "matching/volume_mean.h"
+#include "matching/volume_law.h"
 
 #include <Eigen/Dense>
 
@@ -108,14 +108,10 @@ void ReferenceLevelMatcher::fit( const NodeState& nodes, const MatchStep& step, 
 	region.f = apq * inverse + rotation * outside;
 	// L = F + ( R - F ) C^T, with C = 1 - beta where beta is a scalar: L = R + beta ( F - R )   (Ohta et al. 2009, eq. 5)
 	region.l = region.f + ( rotation - region.f ) * blend.transpose();
-	const double trace = std::clamp( ( rotation.transpose() * region.f ).trace() - 3.0, -1.0, 1.0 );
-	const double mean = volumeMean( inverse, 3.0 - outside.trace() );
 	const double volumeKeeping = double( m_material.volumeKeeping ) * ( 1.0 - region.beta );
-	const Eigen::Matrix3d fitted = isTensor ? Eigen::Matrix3d( apq * blend ) : apq,
-						  across = isTensor ? Eigen::Matrix3d( rotation * blend.transpose() ) : rotation;
-	region.l -= volumeKeeping * trace * mean *
-		( rotation * inverse +
-			volumeTurn( fitted * rotation.transpose(), region.f * rotation.transpose(), region.rest.moment.trace() ) * across );
+	const VolumeFit fit{ rotation, region.f, isTensor ? Eigen::Matrix3d( apq * blend ) : apq,
+		isTensor ? Eigen::Matrix3d( rotation * blend.transpose() ) : rotation, inverse, region.rest.moment, 3.0 - outside.trace() };
+	region.l -= volumeKeeping * volumeMatrix( fit, double( step.mostVolumeResponse ) );
 	region.l *= s;
 	region.f *= s;
 	if ( step.plastic.yieldStrain > 0.0f )

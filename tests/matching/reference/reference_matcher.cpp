@@ -2,7 +2,7 @@
 
 #include "matching/rotation.h"
 #include "matching/step/plasticity.h"
-#include "matching/volume_mean.h"
+#include "matching/volume_law.h"
 
 #include <Eigen/Dense>
 
@@ -131,11 +131,9 @@ void ReferenceMatcher::fitRegions( const NodeState& nodes, const MatchStep& step
 
 		// L = R + beta (F - R)   (Ohta et al. 2009, eq. 5)
 		fit.linear = rotation + double( m_material.beta ) * ( f - rotation );
-		// - kappa tr( R^T F - 1 ) R, the trace clamped to -1 .. 1: compression along one axis asks for expansion along the others
-		const double trace = std::clamp( ( rotation.transpose() * f ).trace() - 3.0, -1.0, 1.0 );
-		const double mean = volumeMean( inverse, 3.0 - outside.trace() );
-		fit.linear -= double( m_material.volumeKeeping ) * ( 1.0 - double( m_material.beta ) ) * trace * mean *
-			( rotation * inverse + volumeTurn( apq * rotation.transpose(), f * rotation.transpose(), aqq.trace() ) * rotation );
+		const Eigen::Matrix3d unflowed = fit.plastic.inverse(), restMoment = unflowed * aqq * unflowed;
+		fit.linear -= double( m_material.volumeKeeping ) * ( 1.0 - double( m_material.beta ) ) *
+			volumeMatrix( { rotation, f, apq, rotation, inverse, restMoment, 3.0 - outside.trace() }, double( step.mostVolumeResponse ) );
 		fit.linear *= fit.plastic;
 		if ( step.plastic.yieldStrain > 0.0f )
 		{

@@ -51,7 +51,7 @@ typedef struct pliant_material
 	int32_t stiffness;         ///< PLIANT_STIFFNESS_...
 	float alpha;               ///< (0, 1], with PLIANT_STIFFNESS_RAW_ALPHA and single clusters. Default 1.
 	float beta;                ///< blend towards linear or quadratic goals, [0, 0.95]. Default 0.
-	float volume_keeping;      ///< [0, 2]. Default 0.
+	float volume_keeping;      ///< [0, 24.5]. Default 0.
 	float yield_strain;        ///< [0, 10]; 0: no plasticity. Default 0.
 	float plastic_creep;       ///< 1/s, (0, 1e4]. Default 10.
 	float plastic_limit;       ///< (0, 2]. Default 0.5.
