@@ -107,7 +107,7 @@ void ImplicitMotion::begin(
 	m_rightSide.assign( std::size_t( size() ), 0.0f );
 	if ( gamma > sigma )
 	{
-		// m ( 1 + G' ( 1 - P ) ) v* less m v*
+		// m ( 1 + G' ( 1 - P + volume V ) ) v* less m v*
 		AlignedArray<float> free( static_cast<std::size_t>( size() ) );
 		copyVelocities( free.data() );
 		m_rates.resist( free.data(), ( gamma - sigma ) * elastic, m_rightSide.data(), runner, step.volumeKeeping / ( 1.0f + pressed ) );

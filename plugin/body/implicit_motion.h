@@ -3,8 +3,8 @@
 // One body's contribution to an implicit substep: the linear system for its new velocities, with the matching force linearised in them.
 // docs/design/implicit.md. Contains no contacts: the solver of several bodies adds them to the system.
 //
-//   A v = b,   A = m ( 1 + gamma alpha ( 1 - P + kappa V ) + h c ( 1 - P ) ),   gamma = ( 1 + sigma ) / 2
-//   b = m ( v* + alpha e d / h ) + m ( gamma - sigma ) alpha ( 1 - P + kappa V ) v*,   v* = v + h ( g + f / m )
+//   A v = b,   A = m ( 1 + gamma alpha K + h c ( 1 - P ) ),   K = ( 1 + kappa |m| ) ( 1 - P ) + kappa V,   gamma = ( 1 + sigma ) / 2
+//   b = m ( v* + alpha e d / h ) + m ( gamma - sigma ) alpha K v*,   v* = v + h ( g + f / m ),   |m| the largest change of volume
 //
 // A node drawn toward a velocity u (node_pull.h) adds m gain to its diagonal entry of A and m gain u to b.
 //
@@ -74,7 +74,7 @@ public:
 	double rolling() const { return m_rolling; }
 	/// Whether the body turns freely, from 0 (it rocks at rest, is held or in several parts) to 1.
 	double turnFreedom() const { return m_turnFreedom; }
-	/// The part sigma alpha / G of the operator's resistance that is numerical damping.
+	/// The part sigma alpha ( 1 + kappa |m| ) / G of the operator's resistance that is numerical damping.
 	double numericalPart() const { return m_numericalPart; }
 
 	// A body whose cells form several parts moves as so many: the following refers to one of them, or to the whole body where it is in one.
@@ -133,7 +133,7 @@ private:
 	AlignedArray<float> m_rightSide;
 	AlignedArray<float> m_arms;  ///< of the nodes relative to their part's mass centre, m, component by component; 0 where pinned
 	double m_secondMoment = 0.0; ///< of a full region, per axis and mass, m^2
-	float m_stiffness = 0.0f;    ///< G = gamma alpha + h c
+	float m_stiffness = 0.0f;    ///< G = gamma alpha ( 1 + kappa |m| ) + h c
 	float m_volume = 0.0f;       ///< kappa gamma alpha / G
 	bool m_hasHeldNodes = false;
 	double m_turnFreedom = 0.0, m_rolling = 0.0, m_numericalPart = 0.0;

@@ -19,8 +19,8 @@ inline double regionSecondMoment( const Material& material )
 	return ( edge * edge - 1.0 ) / 12.0;
 }
 
-/// E = alpha rho d^2 mu f / h^2. Volume keeping gives sigma = M ( eps + kappa tr( eps ) 1 ) with M = alpha rho d^2 mu / h^2, that is 2 G =
-/// M and lambda = kappa M: hence f = E / M = ( 1 + 3 kappa ) / ( 1 + 2 kappa ) and nu = kappa / ( 1 + 2 kappa ).
+/// E = alpha rho d^2 mu f / h^2. Volume conservation gives sigma = M ( eps + kappa tr( eps ) 1 ) with M = alpha rho d^2 mu / h^2, that is
+/// 2 G = M and lambda = kappa M: hence f = E / M = ( 1 + 3 kappa ) / ( 1 + 2 kappa ) and nu = kappa / ( 1 + 2 kappa ).
 inline double modulusMoment( const Material& material )
 {
 	const double kappa = material.method == Method::Lattice ? material.volumeKeeping : 0.0;

@@ -3,6 +3,7 @@
 // Implicit bodies with levels of detail, and their operator.
 
 #include "body/levels/levels.h"
+#include "matching/constants.h"
 #include "matching/implicit/strain_rates.h"
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"

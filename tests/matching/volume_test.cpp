@@ -2,6 +2,7 @@
 
 #include "matching/reference/reference_matcher.h"
 #include "matching/step/lattice_matcher.h"
+#include "matching/volume_law.h"
 #include "support/block_body.h"
 #include "support/block_lattice.h"
 #include "support/explicit_material.h"
@@ -155,6 +156,34 @@ TEST( Volume, AStretchedBarIsAsThinAsRubber )
 			const double along = stretchOf( *body, 0 ), across = stretchOf( *body, 1 ), wanted = std::pow( along, -nu );
 			std::printf( "nu %.2f, stretched %.2f times: width %.3f (%.3f)\n", nu, along, across, wanted );
 			EXPECT_NEAR( across / wanted, 1.0, 0.05 );
+		}
+	}
+}
+
+// Regions of any stretch, up to a hundred times, of the same volume: those at rest volume exert no force.
+TEST( Volume, IsMeasuredExactlyHoweverStretched )
+{
+	const Lattice lattice = makeBlockLattice( 3, 3, 3, 0.1f );
+	for ( const float stretch : { 0.05f, 0.5f, 2.0f, 10.0f, 30.0f, 100.0f } )
+	{
+		for ( const float volume : { 1.0f, 1.1f } )
+		{
+			LatticeMatcher matcher( lattice, keeping( 2.0f ) );
+			NodeState nodes = test::restNodes( lattice );
+			const float across = std::sqrt( volume / stretch );
+			for ( int i = 0; i < nodes.count; ++i )
+			{
+				nodes.x.set( i, nodes.x0.get( i ).cwiseProduct( Vec3( stretch, across, across ) ) );
+			}
+			matcher.reset( nodes, Eigen::Quaterniond::Identity() );
+			MatchStep step{ 1.0f, 1.0f };
+			step.storesVolumeGradients = true;
+			matcher.accelerate( nodes, step, nullptr );
+			const Eigen::Matrix3d u = Vec3d( double( stretch ), double( across ), double( across ) ).asDiagonal();
+			const double exact = volumeStrain( u, Eigen::Matrix3d::Identity() ).size;
+			// 13 is the middle of 27 nodes: a whole region, with weights of 1.
+			EXPECT_NEAR( double( matcher.volumeSize()[13] ), exact, 3e-5 * double( std::max( stretch, 1.0f ) ) )
+				<< stretch << " " << volume;
 		}
 	}
 }

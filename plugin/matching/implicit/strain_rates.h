@@ -69,7 +69,7 @@ public:
 	void measureBody( const NodeState& nodes, const ConnectedParts* parts = nullptr );
 
 	/// to = A v for free nodes, 0 for the others: m ( v + stiffness ( v - P v ) ). Arrays are `padded` long each, component by component.
-	/// `volume`: resistance of a body that conserves its volume to changes of it, relative to `stiffness`: kappa, without other damping.
+	/// With `volume`, the resistance to changes of volume relative to `stiffness`: m ( v + stiffness ( v - P v + volume V v ) ).
 	void resist( const float* v, float stiffness, float* to, TaskRunner* runner, float volume = 0.0f );
 
 	/// The mean of A's three diagonal entries of a node is m ( 1 + stiffness diagonal[i] ).

@@ -156,7 +156,8 @@ void StrainRates::measureDiagonal( const RegionTables& tables )
 			{
 				const Eigen::Vector3d arm( own.x - region[r].x, own.y - region[r].y, own.z - region[r].z );
 				const double share = 1.0 - double( m_view.regionBeta ? m_view.regionBeta[r] : m_view.beta );
-				sum += weight * fraction * share * kappa * weight * own.a * volume[r].at( arm * perMetre ) / 3.0;
+				const double b = m_view.regionWeight ? double( m_view.regionWeight[r] ) : 1.0;
+				sum += weight * b * share * kappa * weight * own.a * volume[r].at( arm * perMetre ) / 3.0;
 			}
 		} );
 		m_diagonal[i] = float( sum * double( m_view.inverseCover[i] ) );

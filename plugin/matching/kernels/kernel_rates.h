@@ -161,7 +161,8 @@ inline void volumeRates( const RateView& rates, int begin, int end )
 				const V rate = load( &in.row[3 + k][at] ) - load( &in.row[k / 3][at] ) * load( view.centre[k % 3] + r );
 				t = t + load( view.volumeGradient[k] + r ) * rate;
 			}
-			const V push = ( fraction * rates.volume ) * t;
+			const V weight = view.regionWeight ? load( view.regionWeight + r ) : splat( 1.0f ); // as in writeGoal
+			const V push = ( weight * rates.volume ) * t;
 			V shift[3] = { rigid.shift.x, rigid.shift.y, rigid.shift.z };
 			for ( int k = 0; k < 9; ++k )
 			{

@@ -100,9 +100,9 @@ struct VolumeStrain
 	V square;     ///< | N |^2: 3 at rest, 4.5 at most in tension, 9 at most
 };
 
-// x is the root of det U' = x^3 - q x / 2 + det( dev U ) = 1,   q = | dev U |^2, which is above 1 + 2 sqrt( q / 6 ) nowhere: Newton's
-// method falls to it from there. m is zero exactly where det U = 1, linear in displacements along the identity, and bounded however the
-// region is crushed or inverted, where ln det F would grow without bound.
+// x is the root of det U' = x^3 - q x / 2 + det( dev U ) = ( x - s )^2 ( x + 2 s ) + det( dev U ) - 2 s^3 = 1,   q = | dev U |^2 = 6 s^2
+// at most 1 + 2 s, and at most s + ( D / 3 s )^1/2 with D = 1 + 2 s^3 - det( dev U ); Newton's method falls to it from there. With B = 1, m
+// is zero exactly where det U = 1, and linear in displacements along the identity. A deviator too large for floats counts as none.
 inline VolumeStrain volumeStrain( const Mat& rLessOne, const Mat& fLessOne, const Mat& weights )
 {
 	Mat strain; // U - 1
@@ -119,12 +119,20 @@ inline VolumeStrain volumeStrain( const Mat& rLessOne, const Mat& fLessOne, cons
 		}
 	}
 	const V trace = ( strain.m[0][0] + strain.m[1][1] ) + strain.m[2][2], third = trace * ( 1.0f / 3.0f );
-	const V xx = strain.m[0][0] - third, yy = strain.m[1][1] - third, zz = strain.m[2][2] - third;
-	const V yz = 0.5f * ( strain.m[1][2] + strain.m[2][1] ), xz = 0.5f * ( strain.m[0][2] + strain.m[2][0] ),
-			xy = 0.5f * ( strain.m[0][1] + strain.m[1][0] );
-	const V half = 0.5f * ( ( xx * xx + yy * yy ) + zz * zz ) + ( ( yz * yz + xz * xz ) + xy * xy ); // q / 2
+	V xx = strain.m[0][0] - third, yy = strain.m[1][1] - third, zz = strain.m[2][2] - third;
+	V yz = 0.5f * ( strain.m[1][2] + strain.m[2][1] ), xz = 0.5f * ( strain.m[0][2] + strain.m[2][0] ),
+	  xy = 0.5f * ( strain.m[0][1] + strain.m[1][0] );
+	V half = 0.5f * ( ( xx * xx + yy * yy ) + zz * zz ) + ( ( yz * yz + xz * xz ) + xy * xy ); // q / 2
+	const I isMeasured = half < kMostDeviator;
+	V* const parts[7] = { &xx, &yy, &zz, &yz, &xz, &xy, &half };
+	for ( V* const part : parts )
+	{
+		*part = select( isMeasured, *part, V{} );
+	}
 	const V third3 = ( xx * ( yy * zz - yz * yz ) + xy * ( yz * xz - xy * zz ) ) + xz * ( xy * yz - yy * xz );
-	V y = 2.0f * squareRoot( half * ( 1.0f / 3.0f ) ); // x - 1
+	const V s = squareRoot( half * ( 1.0f / 3.0f ) ),
+			far = s - 1.0f + squareRoot( ( ( 1.0f - third3 ) + 2.0f * ( s * s * s ) ) / ( 3.0f * s + 1e-20f ) );
+	V y = select( far < 2.0f * s, far, 2.0f * s ); // x - 1
 	for ( int k = 0; k < kVolumeSteps; ++k )
 	{
 		const V x = 1.0f + y, error = ( y * ( ( y + 3.0f ) * y + 3.0f ) - half * x ) + third3;

@@ -15,8 +15,11 @@ inline constexpr float kMomentShare = 0.25f;
 /// Volume conservation does not rotate regions so thin that the determinant of tr M - M is below this fraction of their moments' sum cubed.
 inline constexpr float kLeastTurning = 1e-3f;
 
-/// Newton steps to the volume-preserving shape: from a strain of 1 they leave less than float rounding.
+/// Newton steps to the volume-preserving shape: they leave less than float rounding up to a stretch of a hundred.
 inline constexpr int kVolumeSteps = 7;
+
+/// Half of | dev U |^2 from which on a shape has no meaning, and its cube would not be a float.
+inline constexpr float kMostDeviator = 1e10f;
 
 /// MatchView::mostVolumeResponse of a step that bears any stiffness.
 inline constexpr float kAnyVolumeResponse = 1e30f;

@@ -157,12 +157,7 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 	v.cellsPerMetre = 1.0f / m_cellSize;
 	v.beta = m_beta;
 	v.rotationFromF = m_rotationFromF;
-	v.volumeFraction = m_volumeFraction;
-	for ( int k = 0; k < 9 && !m_volumeSize.empty(); ++k )
-	{
-		v.volumeGradient[k] = m_volumeGradient[k].data();
-		v.volumeSize = m_volumeSize.data();
-	}
+	viewVolume( v );
 	v.pull = m_tables->pull.empty() ? nullptr : m_tables->pull.data();
 	viewBlend( v );
 	if ( m_tables->matrix )
@@ -236,7 +231,8 @@ void LatticeMatcher::boxSums( const MatchView& view, float* records, TaskRunner*
 
 void LatticeMatcher::gatherAndFit( MatchView& view, const MatchStep& step, TaskRunner* runner )
 {
-	if ( m_tables->gridHasHoles )
+	// Box sums add all floats of a record; the rates of bodies that conserve their volume fill those that matching does not use.
+	if ( m_tables->gridHasHoles || !m_volumeSize.empty() )
 	{
 		std::fill( m_nodeRecord.begin(), m_nodeRecord.end(), 0.0f );
 		std::fill( m_regionRecord.begin(), m_regionRecord.end(), 0.0f );
@@ -295,6 +291,10 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 	v.wobbleFraction = float( step.wobbleFraction( double( step.wobbleDamping ) ) );
 	v.speedPerCell = m_cellSize / step.h;
 	v.mostVolumeResponse = step.mostVolumeResponse;
+	if ( !step.storesVolumeGradients )
+	{
+		std::fill( std::begin( v.volumeGradient ), std::end( v.volumeGradient ), nullptr );
+	}
 	if ( m_isHistoryForeign )
 	{
 		v.dampingFraction = 0.0f;
@@ -366,6 +366,16 @@ void LatticeMatcher::nodeRotations( const NodeState& nodes, float* quaternions )
 		quaternions[4 * i + 1] = q.y();
 		quaternions[4 * i + 2] = q.z();
 		quaternions[4 * i + 3] = q.w();
+	}
+}
+
+void LatticeMatcher::viewVolume( MatchView& v )
+{
+	v.volumeFraction = m_volumeFraction;
+	for ( int k = 0; k < 9 && !m_volumeSize.empty(); ++k )
+	{
+		v.volumeGradient[k] = m_volumeGradient[k].data();
+		v.volumeSize = m_volumeSize.data();
 	}
 }
 

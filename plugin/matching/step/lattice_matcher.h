@@ -67,6 +67,8 @@ public:
 	bool nodeFlow( int count, float* stretches ) const override;
 	/// For each region, the sum over the singular values s of F of ( s - 1 )^2, as last measured (MatchStep::measuresStrain).
 	const AlignedArray<float>& strain() const { return m_strain; }
+	/// Of each region: m of kernels/kernel_volume.h at the last `accelerate` that stored gradients; empty if none did.
+	const AlignedArray<float>& volumeSize() const { return m_volumeSize; }
 	/// The largest change of volume of a region, | m | of kernels/kernel_volume.h up to 1, at the last `accelerate` that stored its
 	/// gradients; 0 if none did.
 	float mostVolumeChange() const;
@@ -113,6 +115,7 @@ private:
 	RegionWork workOf( const MatchView& view, std::uint32_t region ) const;
 	void viewLevels( MatchView& view ) const;
 	void viewBlend( MatchView& view ) const;
+	void viewVolume( MatchView& v );
 
 	const Kernels& m_kernels;
 	const Lattice* m_lattice;
