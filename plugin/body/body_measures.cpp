@@ -58,12 +58,7 @@ Vec3d Body::angularVelocityOf( const Vec3d& spin ) const
 // | ( v_j - v_i ) . e | / l,   e the direction from node i to node j, l their distance at rest
 double Body::stretchRate( double least ) const
 {
-	Vec3 low = m_nodes.v.get( 0 ), high = low;
-	for ( int i = 1; i < m_nodes.count; ++i )
-	{
-		low = low.cwiseMin( m_nodes.v.get( i ) );
-		high = high.cwiseMax( m_nodes.v.get( i ) );
-	}
+	const auto [low, high] = m_nodes.velocityBounds();
 	if ( !( double( ( high - low ).norm() ) > least * double( m_lattice->cellSize ) ) )
 	{
 		return 0.0;

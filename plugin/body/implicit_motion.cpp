@@ -84,7 +84,7 @@ void ImplicitMotion::begin(
 	m_tablesVersion = matcher.tablesVersion() + 1;
 	m_areSegmentsMeasured = false;
 	m_pull = pull.isOn() ? &pull : nullptr;
-	// Volume conservation also has the derivative kappa b m d^2 m, of either sign and at most kappa | m | times the stiffness of shape.
+	// Volume conservation also has the derivative kappa b m d^2 m, of either sign and about kappa | m | times the stiffness of shape.
 	const float pressed = step.volumeKeeping * matcher.mostVolumeChange();
 	const float elastic = step.alpha * ( 1.0f + pressed );
 	const float sigma = step.numericalDamping;

@@ -2,6 +2,7 @@
 
 #include "body/constants.h"
 #include "lattice/union_find.h"
+#include "matching/rotation.h"
 
 #include <algorithm>
 #include <array>
@@ -9,13 +10,6 @@
 namespace pliant {
 
 namespace {
-
-Eigen::Matrix3d hat( const Eigen::Vector3d& a )
-{
-	Eigen::Matrix3d m;
-	m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
-	return m;
-}
 
 bool areFaceNeighbours( const Lattice& lattice, std::uint32_t i, std::uint32_t j )
 {
@@ -155,7 +149,7 @@ void Segments::measure( const NodeState& nodes, double cellSize, const float* re
 			const auto [i, j] = m_links[std::size_t( k )];
 			const double s = kLinkResistance * stiffness * double( nodes.mass[i] * resistance[i] + nodes.mass[j] * resistance[j] );
 			const Eigen::Vector3d middle = 0.5 * ( nodes.x.get( i ) + nodes.x.get( j ) ).cast<double>();
-			const Eigen::Matrix3d ra = hat( middle - m_centre[a] ), rb = hat( middle - m_centre[b] );
+			const Eigen::Matrix3d ra = crossMatrix( middle - m_centre[a] ), rb = crossMatrix( middle - m_centre[b] );
 			const Eigen::Matrix3d twist = ( s * kSegmentTwist * square ) * Eigen::Matrix3d::Identity();
 			// J = ( 1, -[r] ):   J_a^T J_b = ( 1, -[r_b]; [r_a], -[r_a] [r_b] )
 			const auto add = [s]( Matrix6& to, double sign, const Eigen::Matrix3d& r, const Eigen::Matrix3d& q,
@@ -175,7 +169,7 @@ void Segments::measure( const NodeState& nodes, double cellSize, const float* re
 void Segments::hold( int node, double resistance )
 {
 	const std::size_t i = std::size_t( node );
-	const Eigen::Matrix3d r = hat( Eigen::Vector3f( m_arm[0][i], m_arm[1][i], m_arm[2][i] ).cast<double>() );
+	const Eigen::Matrix3d r = crossMatrix( Eigen::Vector3f( m_arm[0][i], m_arm[1][i], m_arm[2][i] ).cast<double>() );
 	Matrix6& own = m_own[std::size_t( of( node ) )];
 	own.topLeftCorner<3, 3>().diagonal().array() += resistance;
 	own.topRightCorner<3, 3>() -= resistance * r;

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include <cstdint>
+#include <utility>
 
 namespace pliant {
 
@@ -54,6 +55,17 @@ struct NodeState
 	/// Writes or reads everything but rest positions, for nodes whose count is set.
 	void archive( Archive& archive );
 	Eigen::Vector3d worldPosition( int i ) const { return origin + x.get( i ).cast<double>(); }
+	/// The smallest and the largest component of any velocity along each axis, m/s.
+	std::pair<Eigen::Vector3f, Eigen::Vector3f> velocityBounds() const
+	{
+		Eigen::Vector3f low = v.get( 0 ), high = low;
+		for ( int i = 1; i < count; ++i )
+		{
+			low = low.cwiseMin( v.get( i ) );
+			high = high.cwiseMax( v.get( i ) );
+		}
+		return { low, high };
+	}
 };
 
 } // namespace pliant

@@ -15,4 +15,12 @@ namespace pliant {
 Eigen::Quaterniond fitRotation( const Eigen::Matrix3d& a, const Eigen::Quaterniond& previous );
 Eigen::Quaternionf fitRotation( const Eigen::Matrix3f& a, const Eigen::Quaternionf& previous );
 
+/// The matrix of the cross product: crossMatrix( a ) b = a x b.
+inline Eigen::Matrix3d crossMatrix( const Eigen::Vector3d& a )
+{
+	Eigen::Matrix3d m;
+	m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+	return m;
+}
+
 } // namespace pliant

@@ -3,6 +3,7 @@
 // Volume conservation of a region in double precision (kernels/kernel_volume.h has the law and its reasons).
 
 #include "matching/kernels/volume_limits.h"
+#include "matching/rotation.h"
 
 #include <Eigen/Dense>
 
@@ -76,11 +77,9 @@ inline Eigen::Matrix3d volumeMatrix( const VolumeFit& fit, double most )
 	const bool isMaximum = matrix( 0, 0 ) > 0.0 && matrix.topLeftCorner<2, 2>().determinant() > 0.0 &&
 		matrix.determinant() > double( kLeastTurning ) * size * size * size;
 	const Eigen::Vector3d h = isMaximum ? Eigen::Vector3d( -matrix.inverse() * axial ) : Eigen::Vector3d( Eigen::Vector3d::Zero() );
-	Eigen::Matrix3d turn;
-	turn << 0.0, -h.z(), h.y(), h.z(), 0.0, -h.x(), -h.y(), h.x(), 0.0;
 	const double limited = volume.size > 0.0 ? std::min( 1.0, most / volume.gradient.squaredNorm() ) : 1.0;
 	const double scale = std::clamp( volume.size, -1.0, 1.0 ) * limited;
-	return scale * mean * ( fit.rotation * volume.gradient * fit.inverse + turn * fit.across );
+	return scale * mean * ( fit.rotation * volume.gradient * fit.inverse + crossMatrix( h ) * fit.across );
 }
 
 } // namespace pliant

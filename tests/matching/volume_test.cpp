@@ -5,6 +5,7 @@
 #include "matching/volume_law.h"
 #include "support/block_body.h"
 #include "support/block_lattice.h"
+#include "support/clamped_bar.h"
 #include "support/explicit_material.h"
 
 #include <gtest/gtest.h>
@@ -68,22 +69,6 @@ TEST( Volume, AgreesWithTheSlowTwin )
 	}
 }
 
-/// Mean stretch of a bar's middle along an axis, from the nodes of a middle slab.
-double stretchOf( const Body& body, int axis )
-{
-	double moment = 0.0, rest = 0.0;
-	for ( int i = 0; i < body.nodeCount(); ++i )
-	{
-		const Vec3 x0 = body.nodes().x0.get( i );
-		if ( std::abs( x0.x() ) < 0.5f ) // away from the loaded ends
-		{
-			moment += double( body.nodes().worldPosition( i )[axis] ) * x0[axis];
-			rest += double( x0[axis] ) * x0[axis];
-		}
-	}
-	return moment / rest;
-}
-
 TEST( Volume, PoissonsRatioAndYoungsModulusAreWhatTheySay )
 {
 	const float strain = 0.002f;
@@ -110,7 +95,8 @@ TEST( Volume, PoissonsRatioAndYoungsModulusAreWhatTheySay )
 		{
 			test::substep( *body, h, plan.alpha );
 		}
-		const double along = stretchOf( *body, 0 ) - 1.0, across = stretchOf( *body, 1 ) - 1.0;
+		const Vec3d strains = test::middleStretch( body->nodes() ) - Vec3d::Ones();
+		const double along = strains.x(), across = strains.y();
 		const double wanted = kappa / ( 2.0 * kappa + 1.0 );
 		std::printf(
 			"kappa %.1f: nu %.3f (%.3f), E %.3f of what was set\n", double( kappa ), -across / along, wanted, double( strain ) / along );
@@ -119,8 +105,7 @@ TEST( Volume, PoissonsRatioAndYoungsModulusAreWhatTheySay )
 	}
 }
 
-// A bar that was stretched to twice its length was as thin as a third, and at three times it was a thread: volume was conserved to first
-// order in strain.
+// A bar that was stretched to three times its length became a thread: volume was conserved to first order in strain.
 TEST( Volume, AStretchedBarIsAsThinAsRubber )
 {
 	for ( const double stretch : { 2.0, 3.0 } )
@@ -130,37 +115,21 @@ TEST( Volume, AStretchedBarIsAsThinAsRubber )
 			Material material = keeping( float( nu / ( 1.0 - 2.0 * nu ) ) );
 			material.wobbleDamping = 0.5f;
 			material.youngsModulus = 1e5f;
-			const std::unique_ptr<Body> body = test::makeBlock( 30, 6, 6, 0.1f, material );
 			const float h = 1.0f / 480.0f;
 			const StiffnessPlan plan = planStiffness( material, 0.1f, h, 1 );
 			ASSERT_TRUE( plan.reachable );
-			NodeState& nodes = body->nodes();
-			for ( int i = 0; i < nodes.count; ++i )
-			{
-				body->setPinned( i, std::abs( nodes.x0.x[i] ) > 1.4f );
-			}
-			for ( int step = 0; step < 2400; ++step )
-			{
-				const double now = 1.0 + ( stretch - 1.0 ) * std::min( 1.0, step / 800.0 );
-				for ( int i = 0; i < nodes.count; ++i )
-				{
-					const Vec3d x0 = nodes.x0.get( i ).cast<double>();
-					if ( std::abs( x0.x() ) > 1.4 )
-					{
-						nodes.x.set( i, ( Vec3d( now * x0.x(), x0.y(), x0.z() ) - nodes.origin ).cast<float>() );
-					}
-				}
-				test::substep( *body, h, plan.alpha );
-			}
+			test::ClampedBar bar( material );
+			bar.pull( stretch, 2400, [&] { test::substep( bar.body(), h, plan.alpha ); } );
 			// Hencky: the logarithms of the stretches keep Poisson's ratio.
-			const double along = stretchOf( *body, 0 ), across = stretchOf( *body, 1 ), wanted = std::pow( along, -nu );
-			std::printf( "nu %.2f, stretched %.2f times: width %.3f (%.3f)\n", nu, along, across, wanted );
-			EXPECT_NEAR( across / wanted, 1.0, 0.05 );
+			const Vec3d stretches = test::middleStretch( bar.nodes() );
+			const double wanted = std::pow( stretches.x(), -nu );
+			std::printf( "nu %.2f, stretched %.2f times: width %.3f (%.3f)\n", nu, stretches.x(), stretches.y(), wanted );
+			EXPECT_NEAR( stretches.y() / wanted, 1.0, 0.05 );
 		}
 	}
 }
 
-// Regions of any stretch, up to a hundred times, of the same volume: those at rest volume exert no force.
+// A stretch of a hundred at unchanged volume was measured as a change of volume of .78: Newton's method began too far away.
 TEST( Volume, IsMeasuredExactlyHoweverStretched )
 {
 	const Lattice lattice = makeBlockLattice( 3, 3, 3, 0.1f );

@@ -16,7 +16,7 @@
 // are raised too. Where any T is raised, P removes slightly less than a rigid motion. To stay symmetric, and zero for rigid motions of the
 // whole body, the operator is then ( 1 - Q ) ( 1 - P ) ( 1 - Q ), Q the projection onto those.
 //
-// Material::volumeKeeping kappa adds kappa times the second derivative of the energy of volume conservation (volumeRates in
+// Material::volumeKeeping kappa adds kappa times the second derivative of the energy of volume conservation (storeVolumeRate in
 // kernels/kernel_rates.h), with the gradients that the last matching stored: A v = m ( v + G ( v - P v + volume V v ) ).
 //
 // Nodes on several levels: a region's energy is ( 1 - eta ) | n |^2 + | F - R |^2 in J_fine = J C, n the non-affine part of the motion

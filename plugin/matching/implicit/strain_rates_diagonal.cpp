@@ -91,19 +91,12 @@ struct VolumeResistance
 	Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
 	double mean = 0.0;
 
-	VolumeResistance( const RegionTables& tables, std::size_t r )
+	VolumeResistance( const RegionTables& tables, int r )
 	{
-		double extents = 3.0;
-		Eigen::Matrix3d inverse, moment;
-		for ( int k = 0; k < 9; ++k )
-		{
-			const int symmetric = k % 4 == 0 ? k / 4 : 6 - k / 3 - k % 3; // xx yy zz yz xz xy
-			inverse( k / 3, k % 3 ) = double( tables.moments.inverseMoment[symmetric][r] );
-			moment( k / 3, k % 3 ) = double( tables.moments.moment[symmetric][r] );
-			extents -= k % 4 == 0 && !tables.outOfPlane[0].empty() ? double( tables.outOfPlane[symmetric][r] ) : 0.0;
-		}
+		const Eigen::Matrix3d inverse = loadSymmetric( tables.moments.inverseMoment, r );
+		const double extents = 3.0 - ( tables.outOfPlane[0].empty() ? 0.0 : loadSymmetric( tables.outOfPlane, r ).trace() );
 		mean = volumeMean( inverse, extents );
-		gradient = volumeWeights( moment, mean, extents ) * inverse;
+		gradient = volumeWeights( loadSymmetric( tables.moments.moment, r ), mean, extents ) * inverse;
 	}
 
 	/// The trace of b ( B J^+ d )( B J^+ d )^T, d from the centre to the node, cells.
@@ -140,7 +133,7 @@ void StrainRates::measureDiagonal( const RegionTables& tables )
 	const double kappa = double( m_view.volumeFraction ), perMetre = double( m_view.cellsPerMetre );
 	for ( std::size_t r = 0; kappa > 0.0 && r < node.size(); ++r )
 	{
-		volume.emplace_back( tables, r );
+		volume.emplace_back( tables, int( r ) );
 	}
 	m_diagonal.assign( std::size_t( m_padded ), 0.0f );
 	for ( std::size_t i = 0; i < node.size(); ++i )

@@ -141,56 +141,39 @@ inline RigidRate rigidRate( const RateView& rates, const Tile& in, int spin, V f
 // Besides its rigid motion a region then makes
 //
 //   - volume H q t,   t = sum a ( H q ) . v,   written as   D q + constant
-inline void volumeRates( const RateView& rates, int begin, int end )
+inline void storeVolumeRate( const RateView& rates, const RigidRate& rigid, const Tile& in, int r, int at, Tile& out )
 {
 	const MatchView& view = *rates.match;
-	Tile in, out;
-	clearRows( out, kRecordFloats - 1 );
-	for ( int first = begin; first < end; first += kTile )
+	V t = V{};
+	for ( int k = 0; k < 9; ++k )
 	{
-		const int last = first + kTile < end ? first + kTile : end;
-		gatherRates( rates, false, first, last, in );
-		for ( int r = first; r < last; r += kWidth )
-		{
-			const int at = r - first;
-			const V fraction = rates.regionFraction ? load( rates.regionFraction + r ) : splat( 1.0f );
-			const RigidRate rigid = rigidRate( rates, in, 12, fraction, r, at );
-			V t = V{};
-			for ( int k = 0; k < 9; ++k )
-			{
-				const V rate = load( &in.row[3 + k][at] ) - load( &in.row[k / 3][at] ) * load( view.centre[k % 3] + r );
-				t = t + load( view.volumeGradient[k] + r ) * rate;
-			}
-			const V weight = view.regionWeight ? load( view.regionWeight + r ) : splat( 1.0f ); // as in writeGoal
-			const V push = ( weight * rates.volume ) * t;
-			V shift[3] = { rigid.shift.x, rigid.shift.y, rigid.shift.z };
-			for ( int k = 0; k < 9; ++k )
-			{
-				const V d = push * load( view.volumeGradient[k] + r );
-				shift[k / 3] = shift[k / 3] + d * load( view.centre[k % 3] + r );
-				store( &out.row[3 + k][at], -d );
-			}
-			const V turn[3] = { rigid.turn.x, rigid.turn.y, rigid.turn.z };
-			for ( int k = 0; k < 3; ++k )
-			{
-				store( &out.row[k][at], shift[k] );
-				store( &out.row[12 + k][at], turn[k] );
-			}
-		}
-		giveRates( rates, true, out, first, last );
+		const V rate = load( &in.row[3 + k][at] ) - load( &in.row[k / 3][at] ) * load( view.centre[k % 3] + r );
+		t = t + load( view.volumeGradient[k] + r ) * rate;
+	}
+	const V weight = view.regionWeight ? load( view.regionWeight + r ) : splat( 1.0f ); // as in writeGoal
+	const V push = ( weight * rates.volume ) * t;
+	V shift[3] = { rigid.shift.x, rigid.shift.y, rigid.shift.z };
+	for ( int k = 0; k < 9; ++k )
+	{
+		const V d = push * load( view.volumeGradient[k] + r );
+		shift[k / 3] = shift[k / 3] + d * load( view.centre[k % 3] + r );
+		store( &out.row[3 + k][at], -d );
+	}
+	const V turn[3] = { rigid.turn.x, rigid.turn.y, rigid.turn.z };
+	for ( int k = 0; k < 3; ++k )
+	{
+		store( &out.row[k][at], shift[k] );
+		store( &out.row[12 + k][at], turn[k] );
 	}
 }
 
-/// Computes each region's rigid motion g ( w, vc - w x c ), or where volume is conserved volumeRates.
+/// Computes each region's motion: the rigid one, g ( w, vc - w x c ), and where volume is conserved that of storeVolumeRate.
 void rigidRates( const RateView& rates, int begin, int end )
 {
-	if ( conservesVolume( rates ) )
-	{
-		volumeRates( rates, begin, end );
-		return;
-	}
+	const bool isVolume = conservesVolume( rates );
+	const int spin = isVolume ? 12 : 3;
 	Tile in, out;
-	clearRows( out, 6 );
+	clearRows( out, isVolume ? kRecordFloats - 1 : 6 );
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
@@ -199,7 +182,12 @@ void rigidRates( const RateView& rates, int begin, int end )
 		{
 			const int at = r - first;
 			const V fraction = rates.regionFraction ? load( rates.regionFraction + r ) : splat( 1.0f );
-			const RigidRate rigid = rigidRate( rates, in, 3, fraction, r, at );
+			const RigidRate rigid = rigidRate( rates, in, spin, fraction, r, at );
+			if ( isVolume )
+			{
+				storeVolumeRate( rates, rigid, in, r, at, out );
+				continue;
+			}
 			const V row[6] = { rigid.turn.x, rigid.turn.y, rigid.turn.z, rigid.shift.x, rigid.shift.y, rigid.shift.z };
 			for ( int k = 0; k < 6; ++k )
 			{

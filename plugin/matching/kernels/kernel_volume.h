@@ -97,7 +97,7 @@ struct VolumeStrain
 {
 	V size;       ///< m = tr U - 3 x + tr( ( B - 1 )( U - 1 ) ): positive where the region is expanded
 	Mat gradient; ///< N = dm / dU = 3 U'^-1 / tr U'^-1 + B - 1 = 3 cof U' / e2( U' ) + B - 1,   U' = x + dev U
-	V square;     ///< | N |^2: 3 at rest, 4.5 at most in tension, 9 at most
+	V square;     ///< | N |^2; with B = 1: 3 at rest, 4.5 at most in tension, 9 at most
 };
 
 // x is the root of det U' = x^3 - q x / 2 + det( dev U ) = ( x - s )^2 ( x + 2 s ) + det( dev U ) - 2 s^3 = 1,   q = | dev U |^2 = 6 s^2
@@ -123,19 +123,19 @@ inline VolumeStrain volumeStrain( const Mat& rLessOne, const Mat& fLessOne, cons
 	V yz = 0.5f * ( strain.m[1][2] + strain.m[2][1] ), xz = 0.5f * ( strain.m[0][2] + strain.m[2][0] ),
 	  xy = 0.5f * ( strain.m[0][1] + strain.m[1][0] );
 	V half = 0.5f * ( ( xx * xx + yy * yy ) + zz * zz ) + ( ( yz * yz + xz * xz ) + xy * xy ); // q / 2
-	const I isMeasured = half < kMostDeviator;
+	const I isBounded = half < kMostDeviator;
 	V* const parts[7] = { &xx, &yy, &zz, &yz, &xz, &xy, &half };
 	for ( V* const part : parts )
 	{
-		*part = select( isMeasured, *part, V{} );
+		*part = select( isBounded, *part, V{} );
 	}
-	const V third3 = ( xx * ( yy * zz - yz * yz ) + xy * ( yz * xz - xy * zz ) ) + xz * ( xy * yz - yy * xz );
+	const V det = ( xx * ( yy * zz - yz * yz ) + xy * ( yz * xz - xy * zz ) ) + xz * ( xy * yz - yy * xz );
 	const V s = squareRoot( half * ( 1.0f / 3.0f ) ),
-			far = s - 1.0f + squareRoot( ( ( 1.0f - third3 ) + 2.0f * ( s * s * s ) ) / ( 3.0f * s + 1e-20f ) );
-	V y = select( far < 2.0f * s, far, 2.0f * s ); // x - 1
+			upper = s - 1.0f + squareRoot( ( ( 1.0f - det ) + 2.0f * ( s * s * s ) ) / ( 3.0f * s + 1e-20f ) );
+	V y = select( upper < 2.0f * s, upper, 2.0f * s ); // x - 1
 	for ( int k = 0; k < kVolumeSteps; ++k )
 	{
-		const V x = 1.0f + y, error = ( y * ( ( y + 3.0f ) * y + 3.0f ) - half * x ) + third3;
+		const V x = 1.0f + y, error = ( y * ( ( y + 3.0f ) * y + 3.0f ) - half * x ) + det;
 		y = y - error / ( 3.0f * ( x * x ) - half );
 	}
 	const V x = 1.0f + y, ux = x + xx, uy = x + yy, uz = x + zz, scale = 3.0f / ( 3.0f * ( x * x ) - half );
@@ -181,7 +181,7 @@ inline Vec volumeTurn( const MatchView& view, const Mat& fitted, const Mat& rota
 		( ( cxy * axial.x + cyy * axial.y ) + cyz * axial.z ) * inverse, ( ( cxz * axial.x + cyz * axial.y ) + czz * axial.z ) * inverse };
 }
 
-/// Stores what the implicit step's operator needs (volumeRates): the gradient on rest positions before plastic flow, in world axes.
+/// Stores what the implicit step's operator needs (storeVolumeRate): the gradient on rest positions before plastic flow, in world axes.
 inline void storeVolume( const MatchView& view, const Mat& gradient, V mean, V size, int r )
 {
 	Mat own = gradient;
@@ -207,8 +207,9 @@ inline void storeVolume( const MatchView& view, const Mat& gradient, V mean, V s
 }
 
 /// kappa b m ( R N J^+ + h x R ), J^+ that of the current rest shape, b a mean of J's moments: the derivative of 1/2 kappa b m^2, m and N
-/// of volumeStrain, for m from -1 to 1, and no larger beyond. For small strain m is tr( R^T F - 1 ) and N = 1. h x R is the derivative of
-/// its R, without which it would exert a torque on the region where R is not the rotation of F. `share`: the share of kappa that acts.
+/// of volumeStrain, for m from -1 to 1, and no larger beyond. For small strain m is tr( B ( R^T F - 1 ) ) and N = B. h x R is the
+/// derivative of its R, without which it would exert a torque on the region where R is not the rotation of F. `share`: the share of kappa
+/// that acts.
 inline Mat volumeMatrix( const MatchView& view, const Mat& fitted, const Mat& rLessOne, const Mat& fLessOne, V share, int r )
 {
 	const Mat inverse = loadSymmetric( view.inverseMoment, r );

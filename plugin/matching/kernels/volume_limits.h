@@ -4,8 +4,8 @@
 
 namespace pliant {
 
-/// b of volume conservation (volumeMean): b tr( J^+ ), the stiffness against compression, is at most this multiple of its value for equal
-/// moments. The explicit step is stable up to 1.17.
+/// b of volume conservation (volumeWeights): b tr( J^+ ), the stiffness against compression, is at most this multiple of its value for
+/// equal moments. The explicit step is stable up to 1.17.
 inline constexpr float kVolumeLimit = 1.15f;
 
 /// Share of a region's own moments in the weights B of volume conservation: a bar of 6 x 6 cells has the Poisson's ratio that is set,
@@ -15,7 +15,7 @@ inline constexpr float kMomentShare = 0.25f;
 /// Volume conservation does not rotate regions so thin that the determinant of tr M - M is below this fraction of their moments' sum cubed.
 inline constexpr float kLeastTurning = 1e-3f;
 
-/// Newton steps to the volume-preserving shape: they leave less than float rounding up to a stretch of a hundred.
+/// Newton steps to the volume-preserving shape: they leave no more than float rounding up to a stretch of a hundred.
 inline constexpr int kVolumeSteps = 7;
 
 /// Half of | dev U |^2 from which on a shape has no meaning, and its cube would not be a float.

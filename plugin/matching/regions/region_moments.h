@@ -27,6 +27,15 @@ inline void storeSymmetric( AlignedArray<float> ( &to )[6], int i, const Eigen::
 	}
 }
 
+/// The matrix that storeSymmetric wrote.
+inline Eigen::Matrix3d loadSymmetric( const AlignedArray<float> ( &from )[6], int i )
+{
+	const double xx = from[0][i], yy = from[1][i], zz = from[2][i], yz = from[3][i], xz = from[4][i], xy = from[5][i];
+	Eigen::Matrix3d m;
+	m << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+	return m;
+}
+
 /// Arrays are padded to whole lanes; padding regions have zero mass moments and a unit second moment, so that no lane divides by zero.
 struct RegionMoments
 {

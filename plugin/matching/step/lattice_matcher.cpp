@@ -21,11 +21,6 @@ int chunks( int padded )
 	return ( padded + kChunk - 1 ) / kChunk;
 }
 
-Vec3d toVec3d( const double* p )
-{
-	return { p[0], p[1], p[2] };
-}
-
 } // namespace
 
 LatticeMatcher::LatticeMatcher( const Lattice& lattice, const Material& material, Summation summation, const Kernels& kernels ) :
@@ -190,7 +185,7 @@ void LatticeMatcher::measureFrame( const NodeState& nodes, MatchView& view, Task
 		}
 	}
 	m_mass = sum[12];
-	const Vec3d centre = toVec3d( sum ) / m_mass;
+	const Vec3d centre = Vec3d::Map( sum ) / m_mass;
 	Eigen::Matrix3d moment;
 	moment << sum[3], sum[4], sum[5], sum[6], sum[7], sum[8], sum[9], sum[10], sum[11];
 	m_frame = fitRotation( moment, m_frame );

@@ -18,17 +18,6 @@ using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
 
 constexpr int kSymmetric[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 1, 2 }, { 0, 2 }, { 0, 1 } };
 
-Eigen::Matrix3d loadSymmetric( const AlignedArray<float> ( &from )[6], int i )
-{
-	Eigen::Matrix3d m;
-	for ( int k = 0; k < 6; ++k )
-	{
-		const auto [row, column] = kSymmetric[k];
-		m( row, column ) = m( column, row ) = from[k][i];
-	}
-	return m;
-}
-
 /// Scales to a product of 1.
 Vec3d unitVolume( const Vec3d& stretches )
 {

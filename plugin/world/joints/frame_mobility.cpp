@@ -46,7 +46,7 @@ Vector6 velocityOf( const Frame& frame, const Eigen::Matrix3d& inverseInertia, c
 Matrix6 freeMobility( const Frame& frame, const Eigen::Matrix3d& inverseInertia )
 {
 	Matrix6 mobility;
-	const Eigen::Matrix3d arm = hat( frame.mean );
+	const Eigen::Matrix3d arm = crossMatrix( frame.mean );
 	mobility.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() / frame.mass - arm * inverseInertia * arm;
 	mobility.topRightCorner<3, 3>() = arm * inverseInertia;
 	mobility.bottomLeftCorner<3, 3>() = mobility.topRightCorner<3, 3>().transpose();

@@ -39,7 +39,7 @@ void measure( Frame& frame )
 	frame.inertia.setZero();
 	for ( const Frame::Node& part : frame.patch )
 	{
-		const Eigen::Matrix3d cross = hat( nodes.worldPosition( part.node ) - frame.at - frame.mean );
+		const Eigen::Matrix3d cross = crossMatrix( nodes.worldPosition( part.node ) - frame.at - frame.mean );
 		frame.inertia -= double( nodes.mass[part.node] ) * cross * cross;
 	}
 }

@@ -1,6 +1,7 @@
 // The preconditioner of a block: the diagonal and the clusters of nodes in contact (block_clusters.cpp), plus the coarse
 // system (coarse_system.h) with 6 unknowns per rigid body and the 12 affine motions of each connected part of a soft body.
 
+#include "matching/rotation.h"
 #include "world/block/island_block.h"
 #include "world/bodies/soft_body_impl.h"
 
@@ -9,13 +10,6 @@
 namespace pliant {
 
 namespace {
-
-Eigen::Matrix3d hat( const Vec3d& a )
-{
-	Eigen::Matrix3d m;
-	m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
-	return m;
-}
 
 /// The velocity of a contact point in terms of a body's coarse unknowns: of a soft body u = V + L p, with `arm` = ( 1, p ); of a rigid body
 /// u = V + W x r, with `jacobian`.
@@ -166,7 +160,7 @@ void IslandBlock::addToPreconditioner( const BlockContact& contact )
 				{
 					at += side.shared.rub[j] * part.motion->nodes().x.get( side.shared.node[j] ).cast<double>();
 				}
-				own.jacobian << Eigen::Matrix3d::Identity(), -hat( at - segments->centre( segments->of( side.node ) ) );
+				own.jacobian << Eigen::Matrix3d::Identity(), -crossMatrix( at - segments->centre( segments->of( side.node ) ) );
 			}
 			else if ( own.body >= 0 )
 			{
@@ -181,7 +175,7 @@ void IslandBlock::addToPreconditioner( const BlockContact& contact )
 		else if ( side.rigid >= 0 )
 		{
 			own.body = rigid[std::size_t( side.rigid )].coarse;
-			own.jacobian << Eigen::Matrix3d::Identity(), -hat( side.arm );
+			own.jacobian << Eigen::Matrix3d::Identity(), -crossMatrix( side.arm );
 		}
 	}
 	for ( int a = 0; a < 2; ++a )

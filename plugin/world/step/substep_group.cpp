@@ -48,13 +48,7 @@ SweptBox boxOf( const btRigidBody& body, btScalar step )
 /// Returns the bounds of the displacements of a soft body's nodes within the step, m.
 SweptBox sweepOf( const SoftBody& body, const btVector3& gravity, btScalar step )
 {
-	const NodeState& nodes = body.impl().body->nodes();
-	Vec3 low = nodes.v.get( 0 ), high = low;
-	for ( int i = 1; i < nodes.count; ++i )
-	{
-		low = low.cwiseMin( nodes.v.get( i ) );
-		high = high.cwiseMax( nodes.v.get( i ) );
-	}
+	const auto [low, high] = body.impl().body->nodes().velocityBounds();
 	SweptBox sweep{ { step * toBt( low.cast<double>() ), step * toBt( high.cast<double>() ) } };
 	sweep.include( step * step * gravity );
 	sweep.low.setMin( btVector3( 0, 0, 0 ) );
