@@ -16,6 +16,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace pliant {
@@ -220,8 +221,8 @@ public:
 	float largestRegionFraction() const;
 	/// Prepares `implicit()`; leaves the nodes with their velocities of free flight. `alpha` may have any size.
 	void pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner* runner );
-	/// Whether the implicit substeps from now on have numericalDamping 1 whatever the material says; at first not.
-	void dampNumerically( bool isWhole ) { m_isDampedWhole = isWhole; }
+	/// Numerical damping of the implicit substeps from now on, [0, 1]; without a value that of the material, as at first.
+	void dampNumerically( std::optional<float> damping ) { m_numericalDamping = damping; }
 	/// Solves A x = `impulse` for the velocities that impulses on the nodes give within the substep of pushImplicitly, from the guess in
 	/// `velocity`; both of nodes().padded floats a component, zero at pinned nodes.
 	void respond( const float* impulse, float* velocity, TaskRunner* runner );
@@ -372,7 +373,7 @@ private:
 	float m_sinceReview = 0.0f; ///< s
 	LevelDebt m_energyDebt;     ///< of explicit steps
 	bool m_wasImplicit = false; ///< in the last substep
-	bool m_isDampedWhole = false;
+	std::optional<float> m_numericalDamping;
 	bool m_isOnePart = true;
 	double m_secondMoment = 0.0; ///< m^2, mean over the axes, per mass
 	double m_restLength = 1.0;   ///< m, longest edge of the rest shape's box

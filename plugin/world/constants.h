@@ -167,12 +167,6 @@ inline constexpr double kMostRollingShift = 0.9;
 /// A contact whose friction is below this fraction of its limit sticks.
 inline constexpr double kStickingFriction = 0.95;
 
-/// A step resolves a body's own vibrations while sound travels at most this fraction of the body's size in it: an impact on a heavy object
-/// then takes some 20 steps. From the whole size on the impact is over within a step, and restitution alone makes it rebound.
-inline constexpr double kResolvedTravel = 0.25;
-/// Links of an implicit body that sound crosses more often than this in a step are stretched by at most this in it, in rest lengths.
-inline constexpr double kStiffTravel = 4.0, kMostStretch = 0.15;
-
 // The implicit step's contacts (docs/design/implicit.md says how each was found).
 /// A contact's stiffness in units of its nodes' own resistance.
 inline constexpr double kContactStiffness = 10.0;

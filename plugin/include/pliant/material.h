@@ -117,9 +117,9 @@ struct Material
 	Elasticity elasticity = Elasticity::Automatic;
 
 	/// Numerical damping of the implicit step, [0, 1]: 1 stops vibrations within a few periods at a step of 1/60 s and is the most robust;
-	/// 0 leaves damping to `damping` and `wobbleDamping`. Rigid motion and momentum are not affected. Implicit step only. Below 1 a body
-	/// takes the world's soft substeps, as an explicit one does, where these resolve its vibrations: then it rebounds by its own
-	/// elasticity.
+	/// 0 leaves damping to `damping` and `wobbleDamping`. Rigid motion and momentum are not affected. Implicit step only. A body that lands
+	/// on something takes the world's soft substeps, without numerical damping as far as they resolve the impact, until it is over: it
+	/// rebounds by its own elasticity. Below 1 a body takes them wherever they resolve its vibrations.
 	float numericalDamping = 1.0f;
 
 	/// A body whose strains and vibrations are below this is moved as one rigid body, [0, 0.1], until an impact, a load or a call of the

@@ -2,6 +2,8 @@
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
+#include "world/step/object_motion.h"
+#include "world/step_constants.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -19,21 +21,6 @@ bool isAutomatic( const SoftBody& body )
 	return body.material().elasticity == Elasticity::Automatic && body.impl().body->canStepImplicitly();
 }
 
-/// Returns the mass of the object on the other side of a contact, kg; 0 if it is fixed.
-double massOf( const btCollisionObject& object )
-{
-	if ( object.isStaticOrKinematicObject() )
-	{
-		return 0.0;
-	}
-	if ( const SoftBody* owner = ownerOfContactProxy( &object ) )
-	{
-		return owner->impl().mass;
-	}
-	const btRigidBody* const rigid = btRigidBody::upcast( &object );
-	return rigid && rigid->getInvMass() > 0 ? 1.0 / double( rigid->getInvMass() ) : 0.0;
-}
-
 btVector3 gravityOf( const SoftBody& body, const btDiscreteDynamicsWorld& world )
 {
 	return body.impl().hasOwnGravity ? body.impl().gravity : world.getGravity();
@@ -48,8 +35,8 @@ void addContact( btPersistentManifold& manifold, int side, const btDiscreteDynam
 	{
 		return;
 	}
-	const double otherMass = massOf( *objects[1 - side] );
-	if ( otherMass == 0.0 )
+	const double otherMass = double( massOf( *objects[1 - side] ) );
+	if ( otherMass == SIMD_INFINITY )
 	{
 		return;
 	}
@@ -72,39 +59,64 @@ void addContact( btPersistentManifold& manifold, int side, const btDiscreteDynam
 	}
 }
 
-/// Returns how far sound travels in a step, in body sizes.
-double travelOfSound( const SoftBody& body, double h )
-{
-	const double density = double( body.material().density );
-	return h * std::sqrt( double( body.material().youngsModulus ) / density ) / std::cbrt( body.impl().mass / density );
-}
-
 } // namespace
 
-bool resolvesVibrations( const SoftBody& body, double h )
+double soundVelocity( const SoftBody& body )
 {
-	return body.material().numericalDamping < 1.0f && travelOfSound( body, h ) <= kResolvedTravel;
+	return std::sqrt( double( body.material().youngsModulus ) / double( body.material().density ) );
 }
 
-int substepsOfDeformation( const SoftBody& body, double h )
+double sizeOf( const SoftBody& body )
 {
-	if ( body.impl().touched.empty() || !( travelOfSound( body, h ) > kStiffTravel ) )
+	return std::cbrt( body.impl().mass / double( body.material().density ) );
+}
+
+double travelOfSound( const SoftBody& body, double h )
+{
+	return h * soundVelocity( body ) / sizeOf( body );
+}
+
+double resolvedFraction( const SoftBody& body, double h )
+{
+	const double above = std::clamp( ( travelOfSound( body, h ) - kResolvedTravel ) / ( 1.0 - kResolvedTravel ), 0.0, 1.0 );
+	return 1.0 - above * above * ( 3.0 - 2.0 * above ); // smooth at both ends
+}
+
+ImplicitStepPlan planImplicitStep( const SoftBody& body, double gameStep, int usual )
+{
+	const double travel = travelOfSound( body, gameStep );
+	ImplicitStepPlan plan{ std::max( 1, int( std::ceil( gameStep / kLongestImplicitStep - 1e-3 ) ) ), body.material().numericalDamping };
+	const bool isUndamped = plan.numericalDamping<1.0f, lands = body.impl().elasticity.landingTime> 0.0;
+	if ( lands )
 	{
-		return 1;
+		// Whether a link breaks depends on the largest strain within the impact.
+		const bool isWhole = travel <= kResolvedTravel && body.fracture().rule == BreakRule::Never;
+		plan.parts = std::max( plan.parts, isWhole ? 1 : usual );
+		plan.numericalDamping *= float( 1.0 - resolvedFraction( body, gameStep / plan.parts ) );
 	}
-	const double most = kMostStretch / h;
-	return std::max( 1, int( std::ceil( std::min( body.impl().body->stretchRate( most ) / most, double( kLargestSubsteps ) ) ) ) );
+	if ( isUndamped && travel <= kResolvedTravel * usual )
+	{
+		plan.parts = std::max( plan.parts, usual );
+	}
+	// The step is linear in displacements: a stiff body that is crushed between others, or that vibrates without numerical damping in
+	// steps that do not resolve it, would gain energy from large changes of its shape.
+	const bool isFree = body.impl().touched.empty();
+	const bool mayVibrate = isFree && isUndamped && !lands && travel > kResolvedTravel * plan.parts;
+	const bool mayBeCrushed = ( !isFree || isUndamped ) && travel > kStiffTravel;
+	if ( mayVibrate || mayBeCrushed )
+	{
+		const double most = kMostStretch / gameStep;
+		const double stretches = std::min( body.impl().body->stretchRate( most ) / most, double( kLargestSubsteps ) );
+		plan.parts = mayBeCrushed ? std::max( plan.parts, int( std::ceil( stretches ) ) ) : plan.parts;
+		plan.numericalDamping = stretches > 1.0 ? 1.0f : plan.numericalDamping;
+	}
+	return plan;
 }
 
 double restitutionFraction( const SoftBody& body, double h )
 {
-	const double kept = 1.0 - double( body.material().numericalDamping );
-	if ( kept == 0.0 )
-	{
-		return 1.0;
-	}
-	const double above = std::clamp( ( travelOfSound( body, h ) - kResolvedTravel ) / ( 1.0 - kResolvedTravel ), 0.0, 1.0 );
-	return 1.0 - kept * ( 1.0 - above * above * ( 3.0 - 2.0 * above ) ); // smooth at both ends
+	const double kept = body.impl().elasticity.landingTime > 0.0 ? 1.0 : 1.0 - double( body.material().numericalDamping );
+	return kept == 0.0 ? 1.0 : 1.0 - kept * resolvedFraction( body, h );
 }
 
 // Contacts are visited only if some body could take the implicit step for its loads alone.

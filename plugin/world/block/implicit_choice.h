@@ -36,24 +36,37 @@ private:
 /// The choice for one body, kept between steps.
 struct ElasticityState
 {
-	bool isImplicit = false; ///< the choice
-	double calmTime = 0.0;   ///< time since the implicit step was last needed, s
-	double load = 0.0;       ///< on its touched nodes, in units of their own weight, smoothed
+	bool isImplicit = false;  ///< the choice
+	double calmTime = 0.0;    ///< time since the implicit step was last needed, s
+	double load = 0.0;        ///< on its touched nodes, in units of their own weight, smoothed
+	double landingTime = 0.0; ///< that a landing of an implicit body still takes, s; 0: none
 
 	// Of the current game step.
 	bool checksLoads = false; ///< its stiffness alone does not need the implicit step
 	bool needsImplicit = false;
+	double leastLanding = 0.0;            ///< the velocity from which on a landing is resolved, m/s
 	double heaviestLoad = 0.0;            ///< mass of the heaviest object that rests on it, kg
 	double impulse = 0.0, nodeMass = 0.0; ///< impulse on its touched nodes, N s, and their mass, kg
 };
 
-/// Returns true for an implicit body whose vibrations are to be kept (Material::numericalDamping below 1) where a step of `h`, s, resolves
-/// them.
-bool resolvesVibrations( const SoftBody& body, double h );
+/// The velocity of sound of longitudinal waves in a thin bar of the body's material, m/s.
+double soundVelocity( const SoftBody& body );
+/// The edge of a cube of the body's volume, m.
+double sizeOf( const SoftBody& body );
+/// Returns how far sound travels in a step of `h`, s, in body sizes.
+double travelOfSound( const SoftBody& body, double h );
+/// How far a step of `h`, s, resolves the body's vibrations and impacts, from 0, not at all, to 1.
+double resolvedFraction( const SoftBody& body, double h );
 
-/// Returns the number of equal parts of a step of `h`, s, that an implicit body takes. The step is linear in displacements: a stiff body
-/// that is crushed between others would gain energy from large changes of its shape.
-int substepsOfDeformation( const SoftBody& body, double h );
+/// How an implicit body takes a game step.
+struct ImplicitStepPlan
+{
+	int parts = 1;                 ///< equal parts of the step
+	float numericalDamping = 1.0f; ///< in each of them, [0, 1]
+};
+/// Divides a game step of `gameStep`, s, where it would not resolve a landing, or vibrations that the material keeps
+/// (Material::numericalDamping below 1), both in at most `usual` parts; where the body's shape changes much; and where the step is long.
+ImplicitStepPlan planImplicitStep( const SoftBody& body, double gameStep, int usual );
 
 /// Returns the fraction of restitution that acts on an implicit body against a heavy object in a step of `h`, s, [0, 1]: none where the
 /// step resolves the impact, from which the body rebounds by its own elasticity.

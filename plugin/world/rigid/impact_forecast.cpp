@@ -6,71 +6,15 @@
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/rigid/rigid_load.h"
+#include "world/step/object_motion.h"
 #include "world/step/soft_body_system.h"
 #include "world/touch/node_touch.h"
-
-#include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
-#include <LinearMath/btAabbUtil2.h>
 
 #include <algorithm>
 
 namespace pliant {
 
-struct ForecastMotion
-{
-	btVector3 centre, velocity, angularVelocity;
-
-	btVector3 at( const btVector3& point ) const { return velocity + angularVelocity.cross( point - centre ); }
-};
-
 namespace {
-
-ForecastMotion motionOf( const btCollisionObject& object )
-{
-	const btVector3 zero( 0, 0, 0 );
-	if ( const SoftBody* const soft = SoftBody::upcast( &object ) )
-	{
-		const RigidState* const state = soft->impl().body->rigidState();
-		if ( !soft->isActive() )
-		{
-			return ForecastMotion{ object.getWorldTransform().getOrigin(), zero, zero };
-		}
-		return state ? ForecastMotion{ toBt( state->motion.centre ), toBt( state->motion.velocity ), toBt( state->motion.angularVelocity ) }
-					 : ForecastMotion{ soft->massCentre(), soft->linearVelocity(), soft->angularVelocity() };
-	}
-	const btRigidBody* const rigid = btRigidBody::upcast( &object );
-	const bool moves = rigid && !rigid->isStaticObject() && rigid->isActive();
-	return moves ? ForecastMotion{ rigid->getCenterOfMassPosition(), rigid->getLinearVelocity(), rigid->getAngularVelocity() }
-				 : ForecastMotion{ object.getWorldTransform().getOrigin(), zero, zero };
-}
-
-/// The largest velocity that an object's rotation gives to one of its points, m/s.
-btScalar fastestTurn( const btCollisionObject& object, const ForecastMotion& motion )
-{
-	btVector3 centre;
-	btScalar radius;
-	object.getCollisionShape()->getBoundingSphere( centre, radius );
-	return motion.angularVelocity.length() * ( radius + centre.length() );
-}
-
-/// An upper bound of the velocity of any point of the object, m/s.
-btScalar fastest( const btCollisionObject& object, const ForecastMotion& motion )
-{
-	return motion.velocity.length() + fastestTurn( object, motion );
-}
-
-/// Whether the boxes of two objects come within `reach`, m, of each other while the first moves by `displacement`.
-bool comeNear( const btCollisionObject& a, const btCollisionObject& b, const btVector3& displacement, btScalar reach )
-{
-	btVector3 lowA, highA, lowB, highB;
-	a.getCollisionShape()->getAabb( a.getWorldTransform(), lowA, highA );
-	b.getCollisionShape()->getAabb( b.getWorldTransform(), lowB, highB );
-	btVector3 back = displacement, ahead = displacement;
-	back.setMin( btVector3( 0, 0, 0 ) );
-	ahead.setMax( btVector3( 0, 0, 0 ) );
-	const btVector3 around( reach, reach, reach );
-	return TestAabbAgainstAabb2( lowA + back - around, highA + ahead + around, lowB, highB );
-}
 
 /// Whether a body is in its rigid state and leaves it under load.
 bool mayDeform( const SoftBody& body )
@@ -78,22 +22,13 @@ bool mayDeform( const SoftBody& body )
 	return body.impl().rigidProxy && !body.impl().isScenery;
 }
 
-btScalar massOf( const btCollisionObject& object )
-{
-	const SoftBody* const soft = SoftBody::upcast( &object );
-	const btRigidBody* const rigid = btRigidBody::upcast( &object );
-	const bool isHeld = soft && soft->impl().rigidProxy && soft->impl().rigidProxy->isHeld();
-	const bool isFixed = isHeld || object.isStaticOrKinematicObject() || ( !soft && ( !rigid || rigid->getInvMass() == 0 ) );
-	return isFixed ? btScalar( SIMD_INFINITY ) : soft ? soft->mass() : 1 / rigid->getInvMass();
-}
-
 /// The fastest approach at a point at which two objects will collide within a step, m/s.
 struct FastestContact : btCollisionWorld::ContactResultCallback
 {
-	ForecastMotion first, second;
+	ObjectMotion first, second;
 	btScalar step, most = 0;
 
-	FastestContact( const ForecastMotion& ofFirst, const ForecastMotion& ofSecond, btScalar h ) :
+	FastestContact( const ObjectMotion& ofFirst, const ObjectMotion& ofSecond, btScalar h ) :
 		first( ofFirst ), second( ofSecond ), step( h )
 	{}
 	/// `normal`: out of the second, towards the first.
@@ -148,16 +83,6 @@ void addSphereContacts( const SoftBody& body, const SoftBody& soft, btScalar rea
 	} );
 }
 
-struct Overlaps : btBroadphaseAabbCallback
-{
-	std::vector<btCollisionObject*> found;
-	bool process( const btBroadphaseProxy* proxy ) override
-	{
-		found.push_back( static_cast<btCollisionObject*>( proxy->m_clientObject ) );
-		return true;
-	}
-};
-
 } // namespace
 
 bool SoftBodySystem::mayTouch( SoftBody& body, btCollisionObject& other )
@@ -178,10 +103,10 @@ public:
 			m_motions.push_back( motionOf( *objects[i] ) );
 		}
 	}
-	const ForecastMotion& of( const btCollisionObject& object ) const { return m_motions[std::size_t( object.getWorldArrayIndex() )]; }
+	const ObjectMotion& of( const btCollisionObject& object ) const { return m_motions[std::size_t( object.getWorldArrayIndex() )]; }
 
 private:
-	std::vector<ForecastMotion> m_motions;
+	std::vector<ObjectMotion> m_motions;
 };
 
 void SoftBodySystem::forecastImpact( SoftBody& body, btCollisionObject& other, const ForecastMotions& motions, btScalar h )
@@ -193,7 +118,7 @@ void SoftBodySystem::forecastImpact( SoftBody& body, btCollisionObject& other, c
 	{
 		return;
 	}
-	const ForecastMotion &own = motions.of( body ), &others = motions.of( other );
+	const ObjectMotion &own = motions.of( body ), &others = motions.of( other );
 	const btScalar limit = btScalar( largestApproach( *body.impl().body, double( massOf( other ) ) ) );
 	const btScalar otherLimit = rigid ? btScalar( largestApproach( *rigid->impl().body, double( massOf( body ) ) ) ) : limit;
 	const btScalar least = deforms ? otherLimit : otherDeforms ? limit : btMin( limit, otherLimit );
@@ -217,7 +142,7 @@ void SoftBodySystem::forecastImpact( SoftBody& body, btCollisionObject& other, c
 	otherDeforms = otherDeforms || contact.most > otherLimit;
 }
 
-// From each fast object to the objects in its reach that are not faster: both may be in their rigid state.
+// Both objects of a pair may be in their rigid state.
 void SoftBodySystem::forecastImpacts( btScalar h )
 {
 	double slowest = SIMD_INFINITY;
@@ -237,45 +162,18 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 		const bool moves = object.isActive() && !object.isStaticObject() && object.getBroadphaseHandle();
 		return moves ? fastest( object, motions.of( object ) ) : btScalar( 0 );
 	};
-	std::vector<btScalar> speeds;
-	for ( int i = 0; i < objects.size(); ++i )
-	{
-		speeds.push_back( speedOf( *objects[i] ) );
-	}
-	Overlaps overlaps;
-	for ( int i = 0; i < objects.size(); ++i )
-	{
-		const btScalar speed = speeds[std::size_t( i )];
-		if ( double( speed ) <= least )
+	visitFastPairs( m_world, h, btScalar( least ), speedOf, [&]( btCollisionObject& fast, btCollisionObject& other ) {
+		SoftBody* const soft = asSoftBody( &fast );
+		SoftBody* const otherSoft = asSoftBody( &other );
+		if ( soft && mayDeform( *soft ) )
 		{
-			continue;
+			forecastImpact( *soft, other, motions, h );
 		}
-		btCollisionObject& object = *objects[i];
-		btVector3 low, high;
-		object.getCollisionShape()->getAabb( object.getWorldTransform(), low, high );
-		const btVector3 reach( speed * h, speed * h, speed * h );
-		overlaps.found.clear();
-		m_world.getBroadphase()->aabbTest( low - reach, high + reach, overlaps );
-		SoftBody* const soft = asSoftBody( &object );
-		for ( btCollisionObject* other : overlaps.found )
+		else if ( otherSoft && mayDeform( *otherSoft ) )
 		{
-			const int k = other->getWorldArrayIndex();
-			const btScalar otherSpeed = speeds[std::size_t( k )];
-			SoftBody* const otherSoft = asSoftBody( other );
-			if ( other == &object || otherSpeed > speed || ( otherSpeed == speed && k < i ) )
-			{
-				continue; // tested from the other object
-			}
-			if ( soft && mayDeform( *soft ) )
-			{
-				forecastImpact( *soft, *other, motions, h );
-			}
-			else if ( otherSoft && mayDeform( *otherSoft ) )
-			{
-				forecastImpact( *otherSoft, object, motions, h );
-			}
+			forecastImpact( *otherSoft, fast, motions, h );
 		}
-	}
+	} );
 }
 
 } // namespace pliant

@@ -6,6 +6,7 @@
 #include "world/bodies/soft_body_impl.h"
 #include "world/detect/pair_contacts.h"
 #include "world/rigid/lost_contacts.h"
+#include "world/step/swept_box.h"
 
 #include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
 #include <LinearMath/btQuickprof.h>
@@ -167,16 +168,16 @@ void WorldStep::updateBoxes()
 		btCollisionObject& object = *m_parts.objects[i];
 		if ( bodies.pass() == StepPass::Whole && bodies.group.contains( object ) )
 		{
-			const SubstepGroup::Box box = SubstepGroup::sweptBox( object, m_parts.world.getGravity(), m_gameStep );
+			const SweptBox box = broadphaseBoxOf( object, m_parts.world.getGravity(), m_gameStep );
 			m_parts.world.getBroadphase()->setAabb( object.getBroadphaseHandle(), box.low, box.high, m_parts.dispatcher );
 		}
 		else if ( bodies.pass() == StepPass::Whole ? m_parts.world.getForceUpdateAllAabbs() || object.isActive()
-												   : bodies.group.contains( object ) && !SubstepGroup::isInBox( object ) )
+												   : bodies.group.contains( object ) && !isInBroadphaseBox( object ) )
 		{
 			m_parts.world.updateSingleAabb( &object );
 			isOutdated = true;
 		}
-		SubstepGroup::Box swept;
+		SweptBox swept;
 		if ( bodies.pass() == StepPass::Whole && m_kinematic.boxOf( object, swept.low, swept.high ) )
 		{
 			m_parts.world.getBroadphase()->setAabb( object.getBroadphaseHandle(), swept.low, swept.high, m_parts.dispatcher );

@@ -231,6 +231,10 @@ private:
 	void pressFrames( bool isOn );
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
+	double planLanding( SoftBody& body, double gameStep, int usual ) const;
+	void noteLandings( btScalar gameStep, int usual, bool canSplit );
+	bool isSmallImpact( const btCollisionObject& a, const btCollisionObject& b ) const;
+	void noteLanding( SoftBody& body, btCollisionObject& other, btScalar gameStep );
 	int listSubstepped( btScalar gameStep, int usual );
 	bool isGroupTooLarge( const SubstepGroup::Scene& scene, int count ) const;
 	void leaveLargeGroups( const SubstepGroup::Scene& scene, btScalar gameStep, int count );

@@ -5,6 +5,7 @@
 #include "world/constants.h"
 #include "world/joints/attachments.h"
 #include "world/joints/frames.h"
+#include "world/step/swept_box.h"
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
@@ -13,120 +14,12 @@
 
 namespace pliant {
 
-namespace {
-
-struct SweptBox : SubstepGroup::Box
-{
-	void include( const btVector3& displacement )
-	{
-		btVector3 negative = displacement, positive = displacement;
-		negative.setMin( btVector3( 0, 0, 0 ) );
-		positive.setMax( btVector3( 0, 0, 0 ) );
-		low += negative;
-		high += positive;
-	}
-	void grow( btScalar distance )
-	{
-		const btVector3 margin( distance, distance, distance );
-		low -= margin;
-		high += margin;
-	}
-	bool overlaps( const SweptBox& other ) const { return TestAabbAgainstAabb2( low, high, other.low, other.high ); }
-};
-
-/// Returns the box that a rigid body may sweep within the step, from its velocities and the changes by gravity and forces.
-SweptBox boxOf( const btRigidBody& body, btScalar step )
-{
-	SweptBox box;
-	body.getCollisionShape()->getAabb( body.getWorldTransform(), box.low, box.high );
-	const btScalar turned = step * body.getAngularVelocity().length() * ( box.high - box.low ).length() / 2;
-	box.include( step * ( body.getLinearVelocity() + step * body.getInvMass() * body.getTotalForce() ) );
-	box.grow( turned + gContactBreakingThreshold );
-	return box;
-}
-
-/// Returns the bounds of the displacements of a soft body's nodes within the step, m.
-SweptBox sweepOf( const SoftBody& body, const btVector3& gravity, btScalar step )
-{
-	const auto [low, high] = body.impl().body->nodes().velocityBounds();
-	SweptBox sweep{ { step * toBt( low.cast<double>() ), step * toBt( high.cast<double>() ) } };
-	sweep.include( step * step * gravity );
-	sweep.low.setMin( btVector3( 0, 0, 0 ) );
-	sweep.high.setMax( btVector3( 0, 0, 0 ) );
-	return sweep;
-}
-
-SweptBox wholeBox( const SoftBody& body )
-{
-	if ( body.impl().rigidProxy )
-	{
-		SweptBox box;
-		body.getCollisionShape()->getAabb( body.getWorldTransform(), box.low, box.high );
-		return box;
-	}
-	const SphereRows::Box& whole = body.impl().shape->rows().whole();
-	const btVector3 at = body.getWorldTransform().getOrigin();
-	return SweptBox{ { at + whole.mins(), at + whole.maxs() } };
-}
-
-SweptBox boxOf( const SoftBody& body, const btVector3& gravity, btScalar step )
-{
-	SweptBox box = wholeBox( body );
-	if ( body.isActive() )
-	{
-		const SweptBox sweep = sweepOf( body, gravity, step );
-		box.low += sweep.low;
-		box.high += sweep.high;
-	}
-	return box;
-}
-
-} // namespace
-
 // A body in its rigid state that pins hold is like the ground: each pass solves the contacts of its own objects with it. If it took the
 // substeps of one object on it, another that rests on it would be in no pass with its contacts, and fall for that step.
 bool SubstepGroup::canMove( const btCollisionObject& object )
 {
 	const SoftBody* const soft = SoftBody::upcast( &object );
 	return !object.isStaticOrKinematicObject() && !( soft && soft->impl().rigidProxy && soft->impl().rigidProxy->isHeld() );
-}
-
-SubstepGroup::Box SubstepGroup::sweptBox( const btCollisionObject& object, const btVector3& gravity, btScalar step )
-{
-	SweptBox box;
-	if ( const SoftBody* const soft = SoftBody::upcast( &object ) )
-	{
-		box = boxOf( *soft, gravity, step );
-		if ( !soft->impl().rigidProxy )
-		{
-			box.grow( btScalar( kDrawnBeyondSpheres ) * soft->impl().shape->largestRadius() ); // as for the box of the drawn surface
-		}
-	}
-	else if ( const btRigidBody* const rigid = btRigidBody::upcast( &object ) )
-	{
-		box = boxOf( *rigid, step );
-	}
-	else
-	{
-		object.getCollisionShape()->getAabb( object.getWorldTransform(), box.low, box.high );
-	}
-	box.grow( gContactBreakingThreshold + kSweepMargin * ( box.high - box.low ).length() );
-	return box;
-}
-
-bool SubstepGroup::isInBox( const btCollisionObject& object )
-{
-	Box now;
-	object.getCollisionShape()->getAabb( object.getWorldTransform(), now.low, now.high );
-	const btBroadphaseProxy& known = *object.getBroadphaseHandle();
-	for ( int k = 0; k < 3; ++k )
-	{
-		if ( now.low[k] < known.m_aabbMin[k] || now.high[k] > known.m_aabbMax[k] )
-		{
-			return false;
-		}
-	}
-	return true;
 }
 
 bool SubstepGroup::isMember( const std::vector<unsigned char>& flags, const btCollisionObject& object )
@@ -209,63 +102,74 @@ bool SubstepGroup::include( const btCollisionObject& object )
 	return isNew;
 }
 
-// Tests boxes first, then the nodes' spheres: a large hollow or bent body fills little of its box.
 void SubstepGroup::includeNearby( const Scene& scene, const std::vector<SoftBody*>& substepped, btScalar gameStep )
 {
-	std::vector<SweptBox> sweeps, boxes;
-	SweptBox all{
-		{ btVector3( SIMD_INFINITY, SIMD_INFINITY, SIMD_INFINITY ), btVector3( -SIMD_INFINITY, -SIMD_INFINITY, -SIMD_INFINITY ) } };
+	std::vector<SweptNodes> movers;
+	const btScalar far = SIMD_INFINITY;
+	SweptBox all{ btVector3( far, far, far ), btVector3( -far, -far, -far ) };
 	for ( const SoftBody* body : substepped )
 	{
-		sweeps.push_back( sweepOf( *body, scene.world.getGravity(), gameStep ) );
-		SweptBox box = boxOf( *body, scene.world.getGravity(), gameStep );
-		box.grow( body->impl().shape->largestRadius() ); // a split node is replaced by nodes that fill its cube
-		boxes.push_back( box );
-		all.low.setMin( box.low );
-		all.high.setMax( box.high );
+		movers.emplace_back( *body, scene.world.getGravity(), gameStep );
+		all.low.setMin( movers.back().box().low );
+		all.high.setMax( movers.back().box().high );
 	}
 	const auto isNear = [&]( const SweptBox& other ) {
-		for ( std::size_t k = 0; k < substepped.size() && all.overlaps( other ); ++k )
-		{
-			if ( !boxes[k].overlaps( other ) )
-			{
-				continue;
-			}
-			const NodeShape& shape = *substepped[k]->impl().shape;
-			const btVector3 at = substepped[k]->getWorldTransform().getOrigin();
-			SweptBox reach{ { other.low - at - sweeps[k].high, other.high - at - sweeps[k].low } };
-			reach.grow( shape.largestRadius() );
-			bool isFound = false;
-			shape.rows().visitOverlaps( SphereRows::Box::of( reach.low, reach.high ), [&isFound]( int ) { isFound = true; } );
-			if ( isFound )
-			{
-				return true;
-			}
-		}
-		return false;
+		return all.overlaps( other ) &&
+			std::any_of( movers.begin(), movers.end(), [&]( const SweptNodes& mover ) { return mover.mayTouch( other ); } );
 	};
 	for ( int i = 0; i < scene.rigid.size(); ++i )
 	{
 		const btRigidBody& body = *scene.rigid[i];
-		if ( canMove( body ) && !contains( body ) && isNear( boxOf( body, gameStep ) ) )
+		if ( canMove( body ) && !contains( body ) && isNear( SweptBox::of( body, gameStep ) ) )
 		{
 			include( body );
 		}
 	}
 	for ( const SoftBody* body : scene.soft )
 	{
-		if ( !canMove( *body ) || contains( *body ) )
-		{
-			continue;
-		}
-		if ( isNear( boxOf( *body, scene.world.getGravity(), gameStep ) ) )
+		if ( canMove( *body ) && !contains( *body ) && isNear( SweptBox::of( *body, scene.world.getGravity(), gameStep ) ) )
 		{
 			include( *body );
 		}
 	}
 }
 
-bool SubstepGroup::includeIslands( const Scene& scene )
+// A rigid object outside that an object of the group touches is given the impulse; the nodes of a soft body outside have no equations in
+// that pass, and would be fixed.
+bool SubstepGroup::includeSoftNear( const Scene& scene, btScalar gameStep )
+{
+	const btVector3 gravity = scene.world.getGravity();
+	std::vector<SweptBox> members;
+	bool isChanged = false;
+	for ( const SoftBody* body : scene.soft )
+	{
+		if ( !body->isActive() || !canMove( *body ) || contains( *body ) )
+		{
+			continue;
+		}
+		if ( members.empty() )
+		{
+			for ( int i = 0; i < scene.rigid.size(); ++i )
+			{
+				contains( *scene.rigid[i] ) ? members.push_back( SweptBox::of( *scene.rigid[i], gameStep ) ) : void();
+			}
+			for ( const SoftBody* member : scene.soft )
+			{
+				contains( *member ) ? members.push_back( SweptBox::of( *member, gravity, gameStep ) ) : void();
+			}
+		}
+		const SweptNodes own( *body, gravity, gameStep );
+		if ( std::any_of( members.begin(), members.end(), [&]( const SweptBox& member ) { return own.mayTouch( member ); } ) )
+		{
+			include( *body );
+			members.push_back( own.box() );
+			isChanged = true;
+		}
+	}
+	return isChanged;
+}
+
+void SubstepGroup::includeIslands( const Scene& scene )
 {
 	for ( bool isChanged = true; isChanged; )
 	{
@@ -279,17 +183,15 @@ bool SubstepGroup::includeIslands( const Scene& scene )
 			a = b = static_cast<unsigned char>( a | b );
 		}
 	}
-	bool isChanged = false;
 	const btCollisionObjectArray& objects = scene.world.getCollisionObjectArray();
 	for ( int i = 0; i < objects.size(); ++i )
 	{
 		const int tag = objects[i]->getIslandTag();
 		if ( tag >= 0 && tag < int( m_tags.size() ) && m_tags[std::size_t( tag )] != 0 )
 		{
-			isChanged = include( *objects[i] ) || isChanged;
+			include( *objects[i] );
 		}
 	}
-	return isChanged;
 }
 
 bool SubstepGroup::includeJoined( const Scene& scene )
@@ -350,9 +252,12 @@ void SubstepGroup::choose( const Scene& scene, const std::vector<SoftBody*>& sub
 		include( *body );
 	}
 	includeNearby( scene, substepped, gameStep );
-	includeIslands( scene );
-	while ( includeJoined( scene ) && includeIslands( scene ) )
-	{}
+	for ( bool isChanged = true; isChanged; )
+	{
+		includeIslands( scene );
+		isChanged = includeJoined( scene );
+		isChanged = includeSoftNear( scene, gameStep ) || isChanged;
+	}
 	for ( int i = 0; i < objects.size() && scene.canSplit && !m_isSplit; ++i )
 	{
 		m_isSplit = canMove( *objects[i] ) && objects[i]->isActive() && !contains( *objects[i] );

@@ -30,16 +30,8 @@ class Frames;
 class SubstepGroup
 {
 public:
-	struct Box
-	{
-		btVector3 low, high; ///< m
-	};
-	/// Returns the box that a moving object may sweep within a step of `step` seconds.
-	static Box sweptBox( const btCollisionObject& object, const btVector3& gravity, btScalar step );
 	/// False for objects that no contact moves: static and kinematic ones, and bodies in their rigid state that pins hold.
 	static bool canMove( const btCollisionObject& object );
-	/// Whether an object is inside its box in the broadphase.
-	static bool isInBox( const btCollisionObject& object );
 
 	/// The input of choose().
 	struct Scene
@@ -90,7 +82,8 @@ private:
 	static bool isMember( const std::vector<unsigned char>& flags, const btCollisionObject& object );
 	bool include( const btCollisionObject& object );
 	void includeNearby( const Scene& scene, const std::vector<SoftBody*>& substepped, btScalar gameStep );
-	bool includeIslands( const Scene& scene );
+	bool includeSoftNear( const Scene& scene, btScalar gameStep );
+	void includeIslands( const Scene& scene );
 	bool includeJoined( const Scene& scene );
 
 	struct TagPair

@@ -17,6 +17,7 @@ int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<
 	const int nominal = int( std::ceil( double( substeps ) * gameStep / kNominalStep - 1e-3 ) );
 	const int usual = std::max( substeps, std::min( nominal, std::max( substeps, maxSubsteps ) ) );
 	m_choice.choose( m_bodies, m_world, gameStep, usual );
+	noteLandings( gameStep, usual, canSplit );
 	int count = listSubstepped( gameStep, usual );
 	const SubstepGroup::Scene scene{ m_world, m_bodies, rigid, constraints, attachments, frames, canSplit };
 	group.beginStep();
@@ -34,7 +35,7 @@ int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<
 /// Lists the bodies that take substeps; returns the number that they need. `usual`: the number that explicit ones have at least.
 int SoftBodySystem::listSubstepped( btScalar gameStep, int usual )
 {
-	int count = 1; // enough for implicit bodies
+	int count = 1;
 	m_substepped.clear();
 	for ( SoftBody* body : m_bodies )
 	{
@@ -43,19 +44,23 @@ int SoftBodySystem::listSubstepped( btScalar gameStep, int usual )
 			continue;
 		}
 		const bool isImplicit = stepsImplicitly( *body );
-		if ( !isImplicit || resolvesVibrations( *body, double( gameStep ) / usual ) )
+		if ( isImplicit )
 		{
-			m_substepped.push_back( body );
+			const ImplicitStepPlan plan = planImplicitStep( *body, double( gameStep ), usual );
+			body->impl().body->dampNumerically( plan.numericalDamping );
+			if ( plan.parts == 1 )
+			{
+				continue;
+			}
+			count = std::max( count, std::min( plan.parts, std::max( usual, maxSubsteps ) ) );
+		}
+		else
+		{
 			count = std::max( count, usual );
+			count = std::max( count, std::min( planOf( *body, gameStep, count ).substepsNeeded, maxSubsteps ) );
+			body->impl().body->dampNumerically( {} );
 		}
-		const int needed = isImplicit ? substepsOfDeformation( *body, double( gameStep ) )
-									  : planOf( *body, gameStep, count ).substepsNeeded;
-		body->impl().body->dampNumerically( isImplicit && needed > 1 );
-		if ( isImplicit && needed > 1 && ( m_substepped.empty() || m_substepped.back() != body ) )
-		{
-			m_substepped.push_back( body );
-		}
-		count = std::max( count, std::min( needed, maxSubsteps ) );
+		m_substepped.push_back( body );
 	}
 	return count;
 }
@@ -66,20 +71,23 @@ bool SoftBodySystem::isGroupTooLarge( const SubstepGroup::Scene& scene, int coun
 	return group.rigidCount( scene ) * ( count - 1 ) > kMostRigidSubsteps;
 }
 
-/// Bodies that may, and whose own group is too large, take the implicit step. The group must be chosen again.
+/// Bodies that may, and whose own group is too large, take the implicit step whole; the impacts of those that land are not resolved. The
+/// group must be chosen again.
 void SoftBodySystem::leaveLargeGroups( const SubstepGroup::Scene& scene, btScalar gameStep, int count )
 {
 	for ( SoftBody* body : m_substepped )
 	{
-		if ( !ImplicitChoice::mayLeaveGroup( *body ) )
+		double& landingTime = body->impl().elasticity.landingTime;
+		if ( landingTime == 0.0 && !ImplicitChoice::mayLeaveGroup( *body ) )
 		{
 			continue;
 		}
 		group.choose( scene, { body }, gameStep );
-		if ( isGroupTooLarge( scene, count ) )
+		if ( !isGroupTooLarge( scene, count ) )
 		{
-			ImplicitChoice::leaveGroup( *body );
+			continue;
 		}
+		landingTime > 0.0 ? void( landingTime = 0.0 ) : ImplicitChoice::leaveGroup( *body );
 	}
 }
 

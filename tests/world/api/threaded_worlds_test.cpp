@@ -195,7 +195,7 @@ TEST_P( ThreadedWorlds, BitsDoNotDependOnTheNumberOfThreads )
 	{
 		ThreadedScene scene( threads, GetParam() );
 		scene.run( 45 );
-		EXPECT_EQ( scene.fragments() > 0, GetParam() == Elasticity::Explicit );
+		EXPECT_GT( scene.fragments(), 0 );
 		first = threads == 1 ? scene.track() : first;
 		ASSERT_EQ( scene.track().size(), first.size() ) << threads << " threads";
 		EXPECT_EQ( std::memcmp( scene.track().data(), first.data(), first.size() * sizeof( btScalar ) ), 0 ) << threads << " threads";

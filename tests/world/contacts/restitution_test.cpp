@@ -101,7 +101,12 @@ private:
 		m_rigid->setAngularVelocity( spin );
 		give( m_rigid );
 	}
-	int substeps() const { return m_material.elasticity == Elasticity::Implicit ? 1 : m_world.world.softSubsteps(); }
+	/// Of the explicit step, and of the implicit one in the last game step: one, or those of a landing.
+	int substeps() const
+	{
+		const int last = m_world.world.stepReport().substeps;
+		return m_material.elasticity == Elasticity::Explicit ? m_world.world.softSubsteps() : last > 1 ? last : 1;
+	}
 
 	double motion() const
 	{
@@ -163,8 +168,9 @@ void impacts( Elasticity elasticity )
 				Impact impact( unsigned( seed ), elasticity, BouncingSurface{ friction, restitution } );
 				impact.run( 40 );
 				EXPECT_LT( impact.most, 1.001 ) << seed << " friction " << friction << " restitution " << restitution;
-				// .013 as GCC compiles it, .019 as clang does.
-				EXPECT_LT( impact.rise, 0.025 ) << seed << " friction " << friction << " restitution " << restitution;
+				// Explicit .013 as GCC compiles it, .019 as clang does. Implicit .051 in landings, which are not damped.
+				EXPECT_LT( impact.rise, elasticity == Elasticity::Explicit ? 0.025 : 0.06 )
+					<< seed << " friction " << friction << " restitution " << restitution;
 				most = std::max( most, impact.most );
 				rise = std::max( rise, impact.rise );
 				left += impact.left / kSeeds;

@@ -83,7 +83,7 @@ TEST( BreakingDrops, SmallRigidPiecesOfImplicitBodiesNeedNoSubsteps )
 		{
 			test.world.setGravity( btVector3( 0, 0, 0 ) );
 		}
-		SoftBody* const body = test.addSoft( test::block( 6, 2, 2, 0.1f ), test::at( 0, 1, 0 ), test::implicit( 1e6f ) );
+		SoftBody* const body = test.addSoft( test::block( 6, 2, 2, 0.1f ), test::at( 0, 1, 0 ), test::implicit( 1e8f ) );
 		ASSERT_TRUE( body->setFracture( rigidCrumbs() ).ok() );
 		ASSERT_TRUE( body->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, 3, 9 ) ).ok() );
 		ASSERT_GT( body->cutPlane( btVector3( btScalar( 0.1 ), 1, 0 ), btVector3( 1, 0, 0 ) ), 0 );

@@ -1,0 +1,240 @@
+// Landings: impacts that will deform an implicit body, found before they begin, so that it takes the substeps that resolve them in time.
+// docs/design/implicit.md, "Landings".
+
+#include "world/block/implicit_choice.h"
+#include "world/bodies/obstacle_parts.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/step/object_motion.h"
+#include "world/step/soft_body_system.h"
+#include "world/step_constants.h"
+#include "world/touch/node_touch.h"
+
+#include <BulletCollision/CollisionShapes/btConcaveShape.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+/// How the nodes of a deformable body approach an object.
+class Approach
+{
+public:
+	/// `reach`: s, how far ahead.
+	Approach( const SoftBody& soft, const btCollisionObject& other, btScalar reach ) :
+		m_nodes( soft.impl().body->nodes() ), m_shape( *soft.impl().shape ), m_at( soft.getWorldTransform().getOrigin() ),
+		m_motion( motionOf( other ) ), m_reach( reach )
+	{
+		const btScalar speed = btScalar( std::sqrt( soft.impl().meanSquareSpeed ) ) + fastest( other, m_motion );
+		m_margin = m_reach * speed + btScalar( m_shape.largestRadius() );
+	}
+
+	void addRigid( const btCollisionObject& other )
+	{
+		Obstacle whole;
+		whole.shape = other.getCollisionShape();
+		whole.basis = toMatrix3d( other.getWorldTransform().getBasis() );
+		whole.position = toVec3d( other.getWorldTransform().getOrigin() ) - m_nodes.origin;
+		visitParts( whole, [this]( const Obstacle& part ) {
+			const bool isMesh = part.shape->isConcave() && part.shape->getShapeType() != STATIC_PLANE_PROXYTYPE;
+			isMesh ? addMesh( part ) : addSolid( part );
+		} );
+	}
+	void addSoft( const SoftBody& other )
+	{
+		const NodeState& nodes = other.impl().body->nodes();
+		const Vec3d shift = nodes.origin - m_nodes.origin;
+		const SphereRows::Box& whole = other.impl().shape->rows().whole();
+		const btVector3 there = other.getWorldTransform().getOrigin() - m_at;
+		visitNodes( there + whole.mins(), there + whole.maxs(), [&]( const MovingSphere& sphere, int node ) {
+			const btVector3 centre = toBt( Vec3d( sphere.centre - shift + nodes.origin ) ) - other.getWorldTransform().getOrigin();
+			const btVector3 around( m_margin, m_margin, m_margin );
+			other.impl().shape->rows().visitOverlaps( SphereRows::Box::of( centre - around, centre + around ), [&]( int k ) {
+				Touch touch;
+				const double radius = double( other.nodeRadius( k ) );
+				if ( findNearest( radius, nodes.x.get( k ).cast<double>() + shift, sphere, touch ) )
+				{
+					add( sphere, node, nodes.v.get( k ).cast<double>(), touch );
+				}
+			} );
+		} );
+	}
+	/// The fastest approach at a point where they will meet, m/s; 0 where they touch already.
+	double fastestLanding() const { return m_touches ? 0.0 : m_most; }
+
+private:
+	/// Calls visit( sphere, node ) for the nodes within reach of a box, relative to the body's position.
+	template <class Visit>
+	void visitNodes( const btVector3& low, const btVector3& high, const Visit& visit )
+	{
+		const btVector3 margin( m_margin, m_margin, m_margin );
+		m_shape.rows().visitOverlaps( SphereRows::Box::of( low - margin, high + margin ), [&]( int node ) {
+			if ( !m_touches )
+			{
+				MovingSphere sphere;
+				sphere.centre = m_nodes.x.get( node ).cast<double>();
+				sphere.shape = m_shape.sphereOfNode( node );
+				sphere.radius = double( sphere.shape->getRadius() );
+				visit( sphere, node );
+			}
+		} );
+	}
+	void addSolid( const Obstacle& part )
+	{
+		btVector3 low, high;
+		part.shape->getAabb( part.transform(), low, high );
+		const btVector3 origin = toBt( m_nodes.origin ) - m_at;
+		visitNodes( low + origin, high + origin, [&]( const MovingSphere& sphere, int node ) {
+			Touch touch;
+			if ( findNearest( part, sphere, touch ) )
+			{
+				add( sphere, node, velocityAt( sphere ), touch );
+			}
+		} );
+	}
+	void addMesh( const Obstacle& mesh )
+	{
+		struct Call : btTriangleCallback
+		{
+			Approach* approach = nullptr;
+			const Obstacle* mesh = nullptr;
+			void processTriangle( btVector3* corners, int, int ) override { approach->addTriangle( *mesh, corners ); }
+		} call;
+		call.approach = this;
+		call.mesh = &mesh;
+		const SphereRows::Box& whole = m_shape.rows().whole();
+		const btVector3 margin( m_margin, m_margin, m_margin ), origin = toBt( m_nodes.origin ) - m_at;
+		btVector3 low, high;
+		btTransformAabb( whole.mins() - origin - margin, whole.maxs() - origin + margin, 0, mesh.transform().inverse(), low, high );
+		static_cast<const btConcaveShape*>( mesh.shape )->processAllTriangles( &call, low, high );
+	}
+	void addTriangle( const Obstacle& mesh, const btVector3* local )
+	{
+		Vec3d corners[3];
+		for ( int k = 0; k < 3; ++k )
+		{
+			corners[k] = mesh.basis * toVec3d( local[k] ) + mesh.position;
+		}
+		const btVector3 origin = toBt( m_nodes.origin ) - m_at;
+		visitNodes( toBt( corners[0].cwiseMin( corners[1] ).cwiseMin( corners[2] ) ) + origin,
+			toBt( corners[0].cwiseMax( corners[1] ).cwiseMax( corners[2] ) ) + origin, [&]( const MovingSphere& sphere, int node ) {
+				Touch touch;
+				if ( findNearest( corners, sphere, touch ) )
+				{
+					add( sphere, node, velocityAt( sphere ), touch );
+				}
+			} );
+	}
+	Vec3d velocityAt( const MovingSphere& sphere ) const
+	{
+		return toVec3d( m_motion.at( toBt( Vec3d( m_nodes.origin + sphere.centre ) ) ) );
+	}
+	void add( const MovingSphere& sphere, int node, const Vec3d& velocity, const Touch& touch )
+	{
+		const double approach = -( m_nodes.v.get( node ).cast<double>() - velocity ).dot( touch.normal );
+		m_touches = m_touches || touch.distance <= sphere.touchDistance();
+		m_most = touch.distance - sphere.radius <= approach * double( m_reach ) ? std::max( m_most, approach ) : m_most;
+	}
+
+	const NodeState& m_nodes;
+	const NodeShape& m_shape;
+	btVector3 m_at;
+	ObjectMotion m_motion;
+	btScalar m_reach, m_margin = btScalar( 0 );
+	bool m_touches = false;
+	double m_most = 0.0;
+};
+
+btScalar speedOf( const btCollisionObject& object )
+{
+	if ( !object.isActive() || object.isStaticObject() || !object.getBroadphaseHandle() )
+	{
+		return btScalar( 0 );
+	}
+	const SoftBody* const soft = SoftBody::upcast( &object );
+	return soft ? btScalar( std::sqrt( soft->impl().meanSquareSpeed ) ) : fastest( object, motionOf( object ) );
+}
+
+} // namespace
+
+/// Sets how fast a body must land for its impact to be resolved by `usual` substeps. Returns that velocity, m/s; infinity for bodies that
+/// need no substeps.
+double SoftBodySystem::planLanding( SoftBody& body, double gameStep, int usual ) const
+{
+	ElasticityState& state = body.impl().elasticity;
+	const bool isResolved = usual > 0 && moves( body ) && !body.impl().rigidProxy && !body.impl().body->isInelastic() &&
+		stepsImplicitly( body ) && resolvedFraction( body, gameStep / usual ) > 0.0;
+	state.landingTime = isResolved ? std::max( 0.0, state.landingTime - gameStep ) : 0.0;
+	if ( !isResolved )
+	{
+		state.leastLanding = SIMD_INFINITY;
+		return state.leastLanding;
+	}
+	const double fall = kLandingFall * sizeOf( body ), g = double( gravityOf( body ).length() ); // v^2 = 2 g x
+	state.leastLanding = std::max( kLandingStrain * soundVelocity( body ), std::sqrt( 2.0 * g * fall ) );
+	return state.leastLanding;
+}
+
+/// Whether so few deformable bodies take part in an impact that all may take substeps for it.
+bool SoftBodySystem::isSmallImpact( const btCollisionObject& a, const btCollisionObject& b ) const
+{
+	const auto countOf = [this]( int island ) {
+		return std::count_if( m_bodies.begin(), m_bodies.end(), [island]( const SoftBody* body ) {
+			return body->getIslandTag() == island && !body->impl().rigidProxy && !body->isStaticOrKinematicObject();
+		} );
+	};
+	const int first = a.getIslandTag(), second = b.getIslandTag();
+	return countOf( first ) + ( second == first || second < 0 ? 0 : countOf( second ) ) <= kMostLandingBodies;
+}
+
+void SoftBodySystem::noteLanding( SoftBody& body, btCollisionObject& other, btScalar gameStep )
+{
+	ElasticityState& state = body.impl().elasticity;
+	// The energy m v^2 / 2 of a light object deforms less of the body, that of a heavy one more.
+	const double mass = double( massOf( other ) ), root = std::sqrt( mass / body.impl().mass );
+	const double least = std::min( 1.0, root ), most = mass == SIMD_INFINITY ? 1.0 : std::max( 1.0, root );
+	const double duration = kLandingCrossings * double( gameStep ) / travelOfSound( body, double( gameStep ) );
+	if ( state.leastLanding == SIMD_INFINITY || state.landingTime > duration || !mayTouch( body, other ) || !isSmallImpact( body, other ) )
+	{
+		return;
+	}
+	Approach approach( body, other, btScalar( kLandingSteps ) * gameStep );
+	const SoftBody* const soft = SoftBody::upcast( &other );
+	soft && !soft->impl().rigidProxy ? approach.addSoft( *soft ) : approach.addRigid( other );
+	const double velocity = approach.fastestLanding();
+	if ( least * velocity > state.leastLanding && most * velocity < kMostLandingStrain * soundVelocity( body ) )
+	{
+		state.landingTime = duration + kLandingSteps * double( gameStep );
+	}
+}
+
+/// At the start of a game step. `usual`: the number of substeps that explicit bodies take. Where the step cannot be divided into a group
+/// and the rest, substeps would change the motion of all objects, and impacts are not resolved.
+void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
+{
+	double least = SIMD_INFINITY;
+	for ( SoftBody* body : m_bodies )
+	{
+		least = std::min( least, planLanding( *body, double( gameStep ), canSplit ? usual : 0 ) );
+	}
+	if ( least == SIMD_INFINITY )
+	{
+		return;
+	}
+	const btScalar reach = btScalar( kLandingSteps ) * gameStep;
+	const btScalar slowest = btScalar( 0.5 * least ); // the faster of two objects makes at least half of their approach
+	visitFastPairs( m_world, reach, slowest, speedOf, [&]( btCollisionObject& fast, btCollisionObject& other ) {
+		if ( SoftBody* const body = asSoftBody( &fast ) )
+		{
+			noteLanding( *body, other, gameStep );
+		}
+		if ( SoftBody* const body = asSoftBody( &other ) )
+		{
+			noteLanding( *body, fast, gameStep );
+		}
+	} );
+}
+
+} // namespace pliant
