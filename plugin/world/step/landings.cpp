@@ -153,8 +153,14 @@ btScalar speedOf( const btCollisionObject& object )
 	{
 		return btScalar( 0 );
 	}
-	const SoftBody* const soft = SoftBody::upcast( &object );
-	return soft ? btScalar( std::sqrt( soft->impl().meanSquareSpeed ) ) : fastest( object, motionOf( object ) );
+	if ( const SoftBody* const soft = SoftBody::upcast( &object ) )
+	{
+		return btScalar( std::sqrt( soft->impl().meanSquareSpeed ) );
+	}
+	const btRigidBody* const rigid = btRigidBody::upcast( &object );
+	const btBroadphaseProxy& box = *object.getBroadphaseHandle();
+	return rigid ? rigid->getLinearVelocity().length() + rigid->getAngularVelocity().length() * ( box.m_aabbMax - box.m_aabbMin ).length()
+				 : btScalar( 0 );
 }
 
 } // namespace
@@ -164,8 +170,10 @@ btScalar speedOf( const btCollisionObject& object )
 double SoftBodySystem::planLanding( SoftBody& body, double gameStep, int usual ) const
 {
 	ElasticityState& state = body.impl().elasticity;
-	const bool isResolved = usual > 0 && moves( body ) && !body.impl().rigidProxy && !body.impl().body->isInelastic() &&
-		stepsImplicitly( body ) && resolvedFraction( body, gameStep / usual ) > 0.0;
+	// Bodies that sleep too: what falls on them shall rebound.
+	const bool canMove = body.isHealthy() && !body.isStaticOrKinematicObject() && !body.impl().rigidProxy;
+	const bool isResolved = usual > 0 && canMove && !body.impl().body->isInelastic() && stepsImplicitly( body ) &&
+		resolvedFraction( body, gameStep / usual ) > 0.0;
 	state.landingTime = isResolved ? std::max( 0.0, state.landingTime - gameStep ) : 0.0;
 	if ( !isResolved )
 	{
@@ -207,6 +215,7 @@ void SoftBodySystem::noteLanding( SoftBody& body, btCollisionObject& other, btSc
 	if ( least * velocity > state.leastLanding && most * velocity < kMostLandingStrain * soundVelocity( body ) )
 	{
 		state.landingTime = duration + kLandingSteps * double( gameStep );
+		body.activate();
 	}
 }
 

@@ -164,6 +164,22 @@ TEST( Landings, ARigidBallReboundsFromASoftCube )
 	EXPECT_NEAR( heights[0] / heights[1], 1.0, 0.25 );
 }
 
+// What sleeps is woken before it is hit: it would take the first step of the impact whole.
+TEST( Landings, ARigidBallReboundsFromASleepingCube )
+{
+	TestWorld t;
+	t.addFloor();
+	SoftBody* const cube = addCube( t, kEdge / 2 );
+	cube->forceActivationState( ACTIVE_TAG );
+	t.run( 300 );
+	ASSERT_FALSE( cube->isActive() );
+	btRigidBody* const ball = t.add( cube->mass() / 4, new btSphereShape( btScalar( 0.1 ) ), at( 0, btScalar( 1.5 ), 0 ) );
+	const double height = rebound(
+		t, 60.0, 0.5, [&] { return ball->getCenterOfMassPosition().y(); }, [&] { return ball->getLinearVelocity().y(); } );
+	std::printf( "ball, sleeping cube: %.3f m\n", height );
+	EXPECT_NEAR( height, 0.21, 0.05 );
+}
+
 TEST( Landings, BodiesThatRestSlideOrFlyTakeNoSubsteps )
 {
 	const btVector3 velocities[] = { btVector3( 0, 0, 0 ), btVector3( 3, 0, 0 ), btVector3( 5, 0, 0 ) };
