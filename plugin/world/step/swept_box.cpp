@@ -3,6 +3,7 @@
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 namespace pliant {
