@@ -3,6 +3,7 @@
 // The motions of a world's objects at the start of a game step, and the pairs of them that may meet within it.
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
+#include <BulletCollision/CollisionShapes/btCollisionShape.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
 #include <vector>
