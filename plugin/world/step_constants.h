@@ -13,7 +13,7 @@ inline constexpr double kLandingStrain = 0.03, kMostLandingStrain = 1.0, kLandin
 /// It is found so many game steps ahead, and over after so many crossings of sound.
 inline constexpr double kLandingSteps = 2.0, kLandingCrossings = 4.0;
 /// In islands of more deformable bodies it is not resolved: all of them would take the substeps, and in a heap nobody sees it.
-inline constexpr int kMostLandingBodies = 4;
+inline constexpr int kMostLandingBodies = 2;
 /// Implicit bodies take longer game steps in parts of at most this length, s.
 inline constexpr double kLongestImplicitStep = 1.0 / 30.0;
 /// Links of an implicit body that sound crosses more often than this in a step are stretched by at most this in it, in rest lengths.
