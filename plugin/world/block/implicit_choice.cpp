@@ -87,7 +87,7 @@ ImplicitStepPlan planImplicitStep( const SoftBody& body, double gameStep, int us
 	const double travel = travelOfSound( body, gameStep );
 	ImplicitStepPlan plan{ std::max( 1, int( std::ceil( gameStep / kLongestImplicitStep - 1e-3 ) ) ), body.material().numericalDamping };
 	const bool isUndamped = plan.numericalDamping != 1.0f;
-	const bool lands = body.impl().elasticity.landingTime != 0.0;
+	const bool lands = body.impl().elasticity.landingTime > 0.0;
 	if ( lands )
 	{
 		// Whether a link breaks depends on the largest strain within the impact.

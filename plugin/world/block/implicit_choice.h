@@ -44,7 +44,6 @@ struct ElasticityState
 	// Of the current game step.
 	bool checksLoads = false; ///< its stiffness alone does not need the implicit step
 	bool needsImplicit = false;
-	double leastLanding = 0.0;            ///< the velocity from which on a landing is resolved, m/s
 	double heaviestLoad = 0.0;            ///< mass of the heaviest object that rests on it, kg
 	double impulse = 0.0, nodeMass = 0.0; ///< impulse on its touched nodes, N s, and their mass, kg
 };

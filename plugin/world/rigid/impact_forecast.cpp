@@ -10,11 +10,26 @@
 #include "world/step/soft_body_system.h"
 #include "world/touch/node_touch.h"
 
+#include <LinearMath/btAabbUtil2.h>
+
 #include <algorithm>
 
 namespace pliant {
 
 namespace {
+
+/// Whether the boxes of two objects come within `reach`, m, of each other while the first moves by `displacement`.
+bool comeNear( const btCollisionObject& a, const btCollisionObject& b, const btVector3& displacement, btScalar reach )
+{
+	btVector3 lowA, highA, lowB, highB;
+	a.getCollisionShape()->getAabb( a.getWorldTransform(), lowA, highA );
+	b.getCollisionShape()->getAabb( b.getWorldTransform(), lowB, highB );
+	btVector3 back = displacement, ahead = displacement;
+	back.setMin( btVector3( 0, 0, 0 ) );
+	ahead.setMax( btVector3( 0, 0, 0 ) );
+	const btVector3 around( reach, reach, reach );
+	return TestAabbAgainstAabb2( lowA + back - around, highA + ahead + around, lowB, highB );
+}
 
 /// Whether a body is in its rigid state and leaves it under load.
 bool mayDeform( const SoftBody& body )
@@ -162,7 +177,7 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 		const bool moves = object.isActive() && !object.isStaticObject() && object.getBroadphaseHandle();
 		return moves ? fastest( object, motions.of( object ) ) : btScalar( 0 );
 	};
-	visitFastPairs( m_world, h, btScalar( least ), speedOf, [&]( btCollisionObject& fast, btCollisionObject& other ) {
+	m_fastPairs.visit( m_world, h, btScalar( least ), speedOf, [&]( btCollisionObject& fast, btCollisionObject& other ) {
 		SoftBody* const soft = asSoftBody( &fast );
 		SoftBody* const otherSoft = asSoftBody( &other );
 		if ( soft && mayDeform( *soft ) )

@@ -18,6 +18,12 @@ namespace pliant {
 
 namespace {
 
+/// The root of the mean square of a deformable body's velocities, m/s.
+btScalar meanSpeedOf( const SoftBody& body )
+{
+	return btScalar( std::sqrt( body.impl().meanSquareSpeed ) );
+}
+
 /// How the nodes of a deformable body approach an object.
 class Approach
 {
@@ -27,7 +33,7 @@ public:
 		m_nodes( soft.impl().body->nodes() ), m_shape( *soft.impl().shape ), m_at( soft.getWorldTransform().getOrigin() ),
 		m_motion( motionOf( other ) ), m_reach( reach )
 	{
-		const btScalar speed = btScalar( std::sqrt( soft.impl().meanSquareSpeed ) ) + fastest( other, m_motion );
+		const btScalar speed = meanSpeedOf( soft ) + fastest( other, m_motion );
 		m_margin = m_reach * speed + btScalar( m_shape.largestRadius() );
 	}
 
@@ -49,7 +55,7 @@ public:
 		const SphereRows::Box& whole = other.impl().shape->rows().whole();
 		const btVector3 there = other.getWorldTransform().getOrigin() - m_at;
 		visitNodes( there + whole.mins(), there + whole.maxs(), [&]( const MovingSphere& sphere, int node ) {
-			const btVector3 centre = toBt( Vec3d( sphere.centre - shift + nodes.origin ) ) - other.getWorldTransform().getOrigin();
+			const btVector3 centre = worldPosition( sphere ) - other.getWorldTransform().getOrigin();
 			const btVector3 around( m_margin, m_margin, m_margin );
 			other.impl().shape->rows().visitOverlaps( SphereRows::Box::of( centre - around, centre + around ), [&]( int k ) {
 				Touch touch;
@@ -127,10 +133,8 @@ private:
 				}
 			} );
 	}
-	Vec3d velocityAt( const MovingSphere& sphere ) const
-	{
-		return toVec3d( m_motion.at( toBt( Vec3d( m_nodes.origin + sphere.centre ) ) ) );
-	}
+	btVector3 worldPosition( const MovingSphere& sphere ) const { return toBt( Vec3d( m_nodes.origin + sphere.centre ) ); }
+	Vec3d velocityAt( const MovingSphere& sphere ) const { return toVec3d( m_motion.at( worldPosition( sphere ) ) ); }
 	void add( const MovingSphere& sphere, int node, const Vec3d& velocity, const Touch& touch )
 	{
 		const double approach = -( m_nodes.v.get( node ).cast<double>() - velocity ).dot( touch.normal );
@@ -153,66 +157,63 @@ btScalar speedOf( const btCollisionObject& object )
 	{
 		return btScalar( 0 );
 	}
-	if ( const SoftBody* const soft = SoftBody::upcast( &object ) )
-	{
-		return btScalar( std::sqrt( soft->impl().meanSquareSpeed ) );
-	}
-	const btRigidBody* const rigid = btRigidBody::upcast( &object );
-	const btBroadphaseProxy& box = *object.getBroadphaseHandle();
-	return rigid ? rigid->getLinearVelocity().length() + rigid->getAngularVelocity().length() * ( box.m_aabbMax - box.m_aabbMin ).length()
-				 : btScalar( 0 );
+	const SoftBody* const soft = SoftBody::upcast( &object );
+	return soft ? meanSpeedOf( *soft ) : fastest( object, motionOf( object ) );
 }
 
 } // namespace
 
-/// Sets how fast a body must land for its impact to be resolved by `usual` substeps. Returns that velocity, m/s; infinity for bodies that
-/// need no substeps.
-double SoftBodySystem::planLanding( SoftBody& body, double gameStep, int usual ) const
+/// The velocity from which on a landing of the body is resolved by `usual` substeps, m/s; infinity where none is.
+double SoftBodySystem::leastLanding( const SoftBody& body, double gameStep, int usual ) const
 {
-	ElasticityState& state = body.impl().elasticity;
 	// Bodies that sleep too: what falls on them shall rebound.
 	const bool canMove = body.isHealthy() && !body.isStaticOrKinematicObject() && !body.impl().rigidProxy;
-	const bool isResolved = usual > 0 && canMove && !body.impl().body->isInelastic() && stepsImplicitly( body ) &&
-		resolvedFraction( body, gameStep / usual ) > 0.0;
-	state.landingTime = isResolved ? std::max( 0.0, state.landingTime - gameStep ) : 0.0;
-	if ( !isResolved )
+	if ( !canMove || body.impl().body->isInelastic() || !stepsImplicitly( body ) || resolvedFraction( body, gameStep / usual ) == 0.0 )
 	{
-		state.leastLanding = SIMD_INFINITY;
-		return state.leastLanding;
+		return SIMD_INFINITY;
 	}
 	const double fall = kLandingFall * sizeOf( body ), g = double( gravityOf( body ).length() ); // v^2 = 2 g x
-	state.leastLanding = std::max( kLandingStrain * soundVelocity( body ), std::sqrt( 2.0 * g * fall ) );
-	return state.leastLanding;
+	return std::max( kLandingStrain * soundVelocity( body ), std::sqrt( 2.0 * g * fall ) );
+}
+
+void SoftBodySystem::countIslandBodies()
+{
+	m_islandBodies.clear();
+	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
+	for ( int i = 0; i < objects.size(); ++i )
+	{
+		const std::size_t at = std::size_t( objects[i]->getIslandTag() + 1 );
+		m_islandBodies.resize( std::max( m_islandBodies.size(), at + 1 ), 0 );
+		const SoftBody* const body = SoftBody::upcast( objects[i] );
+		m_islandBodies[at] += body && !body->impl().rigidProxy && !body->isStaticOrKinematicObject() ? 1 : 0;
+	}
 }
 
 /// Whether so few deformable bodies take part in an impact that all may take substeps for it.
 bool SoftBodySystem::isSmallImpact( const btCollisionObject& a, const btCollisionObject& b ) const
 {
-	const auto countOf = [this]( int island ) {
-		return std::count_if( m_bodies.begin(), m_bodies.end(), [island]( const SoftBody* body ) {
-			return body->getIslandTag() == island && !body->impl().rigidProxy && !body->isStaticOrKinematicObject();
-		} );
-	};
+	const auto countOf = [this]( int island ) { return m_islandBodies[std::size_t( island + 1 )]; };
 	const int first = a.getIslandTag(), second = b.getIslandTag();
 	return countOf( first ) + ( second == first || second < 0 ? 0 : countOf( second ) ) <= kMostLandingBodies;
 }
 
-void SoftBodySystem::noteLanding( SoftBody& body, btCollisionObject& other, btScalar gameStep )
+void SoftBodySystem::noteLanding( SoftBody& body, btCollisionObject& other, btScalar gameStep, int usual )
 {
 	ElasticityState& state = body.impl().elasticity;
-	// The energy m v^2 / 2 of a light object deforms less of the body, that of a heavy one more.
-	const double mass = double( massOf( other ) ), root = std::sqrt( mass / body.impl().mass );
-	const double least = std::min( 1.0, root ), most = mass == SIMD_INFINITY ? 1.0 : std::max( 1.0, root );
 	const double duration = kLandingCrossings * double( gameStep ) / travelOfSound( body, double( gameStep ) );
-	if ( state.leastLanding == SIMD_INFINITY || state.landingTime > duration || !mayTouch( body, other ) || !isSmallImpact( body, other ) )
+	const double slowest = leastLanding( body, double( gameStep ), usual );
+	if ( slowest == SIMD_INFINITY || state.landingTime > duration || !mayTouch( body, other ) || !isSmallImpact( body, other ) )
 	{
 		return;
 	}
+	// The energy m v^2 / 2 of a light object deforms less of the body, that of a heavy one more.
+	const double mass = double( massOf( other ) ), root = std::sqrt( mass / body.impl().mass );
+	const double least = std::min( 1.0, root ), most = mass == SIMD_INFINITY ? 1.0 : std::max( 1.0, root );
 	Approach approach( body, other, btScalar( kLandingSteps ) * gameStep );
 	const SoftBody* const soft = SoftBody::upcast( &other );
 	soft && !soft->impl().rigidProxy ? approach.addSoft( *soft ) : approach.addRigid( other );
 	const double velocity = approach.fastestLanding();
-	if ( least * velocity > state.leastLanding && most * velocity < kMostLandingStrain * soundVelocity( body ) )
+	if ( least * velocity > slowest && most * velocity < kMostLandingStrain * soundVelocity( body ) )
 	{
 		state.landingTime = duration + kLandingSteps * double( gameStep );
 		body.activate();
@@ -226,22 +227,26 @@ void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
 	double least = SIMD_INFINITY;
 	for ( SoftBody* body : m_bodies )
 	{
-		least = std::min( least, planLanding( *body, double( gameStep ), canSplit ? usual : 0 ) );
+		const double slowest = canSplit ? leastLanding( *body, double( gameStep ), usual ) : SIMD_INFINITY;
+		double& landingTime = body->impl().elasticity.landingTime;
+		landingTime = slowest < SIMD_INFINITY ? std::max( 0.0, landingTime - double( gameStep ) ) : 0.0;
+		least = std::min( least, slowest );
 	}
 	if ( least == SIMD_INFINITY )
 	{
 		return;
 	}
+	countIslandBodies();
 	const btScalar reach = btScalar( kLandingSteps ) * gameStep;
 	const btScalar slowest = btScalar( 0.5 * least ); // the faster of two objects makes at least half of their approach
-	visitFastPairs( m_world, reach, slowest, speedOf, [&]( btCollisionObject& fast, btCollisionObject& other ) {
+	m_fastPairs.visit( m_world, reach, slowest, speedOf, [&]( btCollisionObject& fast, btCollisionObject& other ) {
 		if ( SoftBody* const body = asSoftBody( &fast ) )
 		{
-			noteLanding( *body, other, gameStep );
+			noteLanding( *body, other, gameStep, usual );
 		}
 		if ( SoftBody* const body = asSoftBody( &other ) )
 		{
-			noteLanding( *body, fast, gameStep );
+			noteLanding( *body, fast, gameStep, usual );
 		}
 	} );
 }

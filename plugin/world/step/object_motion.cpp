@@ -3,8 +3,6 @@
 #include "body/rigid_state.h"
 #include "world/bodies/soft_body_impl.h"
 
-#include <LinearMath/btAabbUtil2.h>
-
 namespace pliant {
 
 ObjectMotion motionOf( const btCollisionObject& object )
@@ -46,18 +44,6 @@ btScalar massOf( const btCollisionObject& object )
 	const bool isHeld = soft && soft->impl().rigidProxy && soft->impl().rigidProxy->isHeld();
 	const bool isFixed = isHeld || object.isStaticOrKinematicObject() || ( !soft && ( !rigid || rigid->getInvMass() == 0 ) );
 	return isFixed ? btScalar( SIMD_INFINITY ) : soft ? soft->mass() : 1 / rigid->getInvMass();
-}
-
-bool comeNear( const btCollisionObject& a, const btCollisionObject& b, const btVector3& displacement, btScalar reach )
-{
-	btVector3 lowA, highA, lowB, highB;
-	a.getCollisionShape()->getAabb( a.getWorldTransform(), lowA, highA );
-	b.getCollisionShape()->getAabb( b.getWorldTransform(), lowB, highB );
-	btVector3 back = displacement, ahead = displacement;
-	back.setMin( btVector3( 0, 0, 0 ) );
-	ahead.setMax( btVector3( 0, 0, 0 ) );
-	const btVector3 around( reach, reach, reach );
-	return TestAabbAgainstAabb2( lowA + back - around, highA + ahead + around, lowB, highB );
 }
 
 } // namespace pliant

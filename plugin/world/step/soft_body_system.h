@@ -17,6 +17,7 @@
 #include "world/joints/frames.h"
 #include "world/respond/tunneling_guard.h"
 #include "world/shape/contact_proxy.h"
+#include "world/step/object_motion.h"
 #include "world/step/substep_group.h"
 
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
@@ -231,10 +232,11 @@ private:
 	void pressFrames( bool isOn );
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
-	double planLanding( SoftBody& body, double gameStep, int usual ) const;
+	double leastLanding( const SoftBody& body, double gameStep, int usual ) const;
 	void noteLandings( btScalar gameStep, int usual, bool canSplit );
+	void countIslandBodies();
 	bool isSmallImpact( const btCollisionObject& a, const btCollisionObject& b ) const;
-	void noteLanding( SoftBody& body, btCollisionObject& other, btScalar gameStep );
+	void noteLanding( SoftBody& body, btCollisionObject& other, btScalar gameStep, int usual );
 	int listSubstepped( btScalar gameStep, int usual );
 	bool isGroupTooLarge( const SubstepGroup::Scene& scene, int count ) const;
 	void leaveLargeGroups( const SubstepGroup::Scene& scene, btScalar gameStep, int count );
@@ -272,6 +274,8 @@ private:
 	StepPass m_pass = StepPass::Whole;
 	int m_contactsBefore = 0;            ///< StepReport::softContacts of the previous pass
 	std::vector<SoftBody*> m_substepped; ///< scratch of planSubsteps
+	FastPairs m_fastPairs;
+	std::vector<int> m_islandBodies; ///< scratch of noteLandings: numbers of deformable bodies, by island tag + 1
 	unsigned m_serials = 0;
 	double m_clock = 0.0; ///< s of steps so far
 	int m_piecesLeft = 0; ///< of DebrisBudget::piecesPerStep

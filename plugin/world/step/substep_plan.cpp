@@ -58,7 +58,6 @@ int SoftBodySystem::listSubstepped( btScalar gameStep, int usual )
 		{
 			count = std::max( count, usual );
 			count = std::max( count, std::min( planOf( *body, gameStep, count ).substepsNeeded, maxSubsteps ) );
-			body->impl().body->dampNumerically( {} );
 		}
 		m_substepped.push_back( body );
 	}

@@ -54,8 +54,10 @@ SweptBox SweptBox::of( const SoftBody& body, const btVector3& gravity, btScalar 
 }
 
 SweptNodes::SweptNodes( const SoftBody& body, const btVector3& gravity, btScalar step ) :
-	m_body( body ), m_displacements( SweptBox::displacementsOf( body, gravity, step ) ), m_box( SweptBox::of( body, gravity, step ) )
+	m_body( body ), m_displacements( SweptBox::displacementsOf( body, gravity, step ) ), m_box( SweptBox::restOf( body ) )
 {
+	m_box.low += m_displacements.low;
+	m_box.high += m_displacements.high;
 	m_box.grow( body.impl().shape->largestRadius() ); // a split node is replaced by nodes that fill its cube
 }
 

@@ -70,6 +70,23 @@ TEST( Automatic, KeepsSoftBodiesWithLightLoadsBitIdentical )
 	EXPECT_EQ( found[0], found[1] );
 }
 
+// The load of a soft body is that of the whole body, not of the nodes that touch.
+TEST( Automatic, CountsTheWholeMassOfASoftLoad )
+{
+	TestWorld t;
+	t.addFloor();
+	const auto shape = block( 6, 6, 6, 0.1f );
+	SoftBody* const cube = t.addSoft( shape, at( 0, btScalar( 0.3 ), 0 ), automatic( 1e5f ) );
+	SoftBody* const load = t.addSoft( shape, at( 0, btScalar( 0.9 ), 0 ), automatic( 1e5f ) );
+	double heaviest = 0.0;
+	for ( int frame = 0; frame < 20; ++frame )
+	{
+		t.run( 1 );
+		heaviest = std::max( heaviest, cube->impl().elasticity.heaviestLoad );
+	}
+	EXPECT_NEAR( heaviest / double( load->mass() ), 1.0, 1e-6 );
+}
+
 TEST( Automatic, TakesTheImplicitStepWhereStiffnessIsOutOfReach )
 {
 	// alpha at a 240th of a second is 1 at 3.84e5 Pa

@@ -51,7 +51,7 @@ TEST( ImplicitRubber, InAHeapComesToRest )
 			const auto awake = std::count_if( scene.soft.begin(), scene.soft.end(), isAwake );
 			std::printf( "%s, %.0e Pa: %.1f m/s at most, %d awake after 15 s\n",
 				elasticity == Elasticity::Explicit ? "explicit" : "automatic", double( modulus ), fastest, int( awake ) );
-			EXPECT_LT( fastest, 20.0 ); // they fall at 8 m/s
+			EXPECT_LT( fastest, 15.0 ); // they fall at 8 m/s
 			EXPECT_EQ( awake, 0 );
 		}
 	}

@@ -101,11 +101,11 @@ private:
 		m_rigid->setAngularVelocity( spin );
 		give( m_rigid );
 	}
-	/// Of the explicit step, and of the implicit one in the last game step: one, or those of a landing.
+	/// In the last game step. Those of an implicit body are one, or in a landing as many as of an explicit one.
 	int substeps() const
 	{
-		const int last = m_world.world.stepReport().substeps;
-		return m_material.elasticity == Elasticity::Explicit ? m_world.world.softSubsteps() : last > 1 ? last : 1;
+		return m_material.elasticity == Elasticity::Explicit ? m_world.world.softSubsteps()
+															 : std::max( 1, m_world.world.stepReport().substeps );
 	}
 
 	double motion() const
@@ -130,7 +130,8 @@ private:
 	// (implicit).
 	double strain() const
 	{
-		EXPECT_EQ( m_world.world.stepReport().substeps, substeps() );
+		const int taken = m_world.world.stepReport().substeps;
+		EXPECT_TRUE( taken == m_world.world.softSubsteps() || ( taken == 1 && m_material.elasticity == Elasticity::Implicit ) ) << taken;
 		const double h = double( test::kFrame ) / substeps();
 		double sum = 0.0;
 		for ( std::size_t k = 0; k < m_soft.size(); ++k )

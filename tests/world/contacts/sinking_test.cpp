@@ -74,22 +74,17 @@ TEST( Sinking, AHeavyBoxDoesNotSink )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
-		int inside = 0;
-		for ( const btScalar height : { btScalar( 1 ), btScalar( 1.15 ), btScalar( 1.19 ), btScalar( 1.2 ), btScalar( 1.21 ) } )
-		{
-			SoftWorld scene;
-			scene.addBoxFloor();
-			Material material = test::explicitMaterial();
-			material.youngsModulus = 3e4f;
-			material.elasticity = elasticity;
-			SoftBody* const foam = scene.add( cubeTemplate( 0.6f, 6 ), btVector3( 0, btScalar( 0.3 ), 0 ), material );
-			const btVector3 half( btScalar( 0.15 ), btScalar( 0.15 ), btScalar( 0.15 ) );
-			const btRigidBody* const box = scene.add(
-				btScalar( 10 * foam->impl().mass ), new btBoxShape( half ), btVector3( 0, height, 0 ) );
-			scene.step( 240 );
-			inside += nodesInside( *foam, *box );
-		}
-		EXPECT_LE( inside, elasticity == Elasticity::Explicit ? 0 : 2 ) << "of 1 080";
+		SoftWorld scene;
+		scene.addBoxFloor();
+		Material material = test::explicitMaterial();
+		material.youngsModulus = 3e4f;
+		material.elasticity = elasticity;
+		SoftBody* const foam = scene.add( cubeTemplate( 0.6f, 6 ), btVector3( 0, btScalar( 0.3 ), 0 ), material );
+		const btVector3 half( btScalar( 0.15 ), btScalar( 0.15 ), btScalar( 0.15 ) );
+		const btRigidBody* const box = scene.add(
+			btScalar( 10 * foam->impl().mass ), new btBoxShape( half ), btVector3( 0, btScalar( 1.2 ), 0 ) );
+		scene.step( 240 );
+		EXPECT_EQ( nodesInside( *foam, *box ), 0 );
 	}
 }
 
