@@ -1,6 +1,7 @@
 // Landings of implicit bodies (world/step/landings.cpp): they rebound by their elasticity whatever the game step, on every kind of ground,
 // and a body that does not land takes no substeps.
 
+#include "test_meshes.h"
 #include "world/test_world.h"
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
@@ -198,6 +199,50 @@ TEST( Landings, BodiesThatRestSlideOrFlyTakeNoSubsteps )
 			EXPECT_EQ( t.world.stepReport().implicitBodies, 1 );
 			EXPECT_EQ( t.world.stepReport().substeps, 1 ) << velocity.x() << " m/s, frame " << frame;
 		}
+	}
+}
+
+// Nodes land on the ground all the time, but the ball has not left it.
+TEST( Landings, ARollingBallTakesNoSubsteps )
+{
+	TestWorld t;
+	t.addPlane();
+	LatticeSettings settings;
+	settings.cellSize = 0.064f;
+	SoftBody* const ball = t.addSoft(
+		BodyTemplate::build( test::makeSphere( 0.4, 40, 80 ).view(), settings ).value, at( 0, kEdge, 0 ), Material{} );
+	ball->setActivationState( DISABLE_DEACTIVATION );
+	t.run( 30 );
+	ASSERT_TRUE( ball->setVelocities( btVector3( 6, 0, 0 ), btVector3( 0, 0, -15 ) ).ok() );
+	int divided = 0;
+	for ( int frame = 0; frame < 40; ++frame )
+	{
+		t.run( 1 );
+		EXPECT_EQ( t.world.stepReport().implicitBodies, 1 );
+		divided += t.world.stepReport().substeps > 1 ? 1 : 0;
+	}
+	EXPECT_EQ( divided, 0 );
+}
+
+TEST( Landings, OnLargeIslandsAreNotResolved )
+{
+	for ( const int count : { 1, 2 } )
+	{
+		TestWorld t;
+		t.addFloor();
+		for ( int k = 0; k < count; ++k )
+		{
+			addCube( t, kEdge * ( btScalar( 0.5 ) + btScalar( k ) ) );
+		}
+		t.run( 60 );
+		addCube( t, kEdge * btScalar( count + 3 ) );
+		int divided = 0;
+		for ( int frame = 0; frame < 60; ++frame )
+		{
+			t.run( 1 );
+			divided += t.world.stepReport().substeps > 1 ? 1 : 0;
+		}
+		EXPECT_EQ( divided > 0, count == 1 ) << count;
 	}
 }
 
