@@ -134,6 +134,17 @@ inline btScalar lowestNode( const SoftBody& body )
 	return low;
 }
 
+/// The vertical distance from the lowest node of `body` to its highest, in metres.
+inline btScalar heightOf( const SoftBody& body )
+{
+	btScalar high = -SIMD_INFINITY;
+	for ( int i = 0; i < body.nodeCount(); ++i )
+	{
+		high = btMax( high, body.nodePosition( i ).y() );
+	}
+	return high - lowestNode( body );
+}
+
 /// Returns every drawn triangle, starting with its least corner, in a canonical order.
 inline std::vector<std::array<float, 10>> trianglesOf( const SurfaceView& view )
 {

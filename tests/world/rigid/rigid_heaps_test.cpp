@@ -23,16 +23,6 @@ Material stiffRigid( float youngsModulus, float rigidStrain )
 	return material;
 }
 
-btScalar heightOf( const SoftBody& body )
-{
-	btScalar high = -SIMD_INFINITY;
-	for ( int i = 0; i < body.nodeCount(); ++i )
-	{
-		high = btMax( high, body.nodePosition( i ).y() );
-	}
-	return high - test::lowestNode( body );
-}
-
 /// Of a slab that does not become rigid yet.
 Material slabMaterial()
 {
@@ -56,7 +46,7 @@ TEST( RigidHeaps, ABodyRestsBentAndIsStraightWithoutItsLoad )
 	TestWorld test;
 	Material material = slabMaterial();
 	SoftBody* const slab = addSlab( test, material );
-	const btScalar straight = heightOf( *slab );
+	const btScalar straight = test::heightOf( *slab );
 	btRigidBody* const weight = test.addBox( 200, btVector3( 0.15f, 0.05f, 0.15f ), at( 0.062f, 0.355f, 0.05f ) );
 	test.run( 120 );
 	material.rigidStrain = 0.01f;
@@ -78,7 +68,7 @@ TEST( RigidHeaps, ABodyRestsBentAndIsStraightWithoutItsLoad )
 	test.run( 120 );
 	EXPECT_TRUE( slab->isRigid() );
 	EXPECT_FALSE( slab->impl().body->rigidState()->isBent );
-	EXPECT_NEAR( heightOf( *slab ), straight, 0.001f );
+	EXPECT_NEAR( test::heightOf( *slab ), straight, 0.001f );
 }
 
 // The hull of the bent slab fills the dent in which the crate stands. On the one contact with its deepest corner half of such crates fell
