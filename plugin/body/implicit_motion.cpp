@@ -98,8 +98,6 @@ void ImplicitMotion::begin(
 	raiseInertias( least, [&]( double mass ) { return least( mass ) / 3.0; } );
 	keepFreeMomentum();
 	m_turnFreedom = freedomOfTurn( step.length );
-	m_rolling = double( sigma ) * m_turnFreedom;
-	m_numericalPart = double( sigma * elastic / m_stiffness );
 	m_secondMoment = step.secondMoment;
 	measureArms();
 
@@ -134,7 +132,7 @@ void ImplicitMotion::beginFree( NodeState& nodes )
 	m_nodes = &nodes;
 	m_pull = nullptr; // an explicit body's nodes have been drawn already
 	m_stiffness = m_volume = 0.0f;
-	m_rolling = m_turnFreedom = 0.0;
+	m_turnFreedom = 0.0;
 }
 
 void ImplicitMotion::measureRigid( NodeState& nodes, const ConnectedParts* parts )

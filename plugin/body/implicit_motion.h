@@ -70,12 +70,8 @@ public:
 	/// the whole do as well: for small, soft and compact bodies, and those in several parts.
 	const Segments* segments( const Lattice& lattice );
 	bool hasHeldNodes() const { return m_hasHeldNodes; }
-	/// Whether the body turns freely and is damped numerically, from 0 to 1: what a step takes from its rotation may be returned then.
-	double rolling() const { return m_rolling; }
 	/// Whether the body turns freely, from 0 (it rocks at rest, is held or in several parts) to 1.
 	double turnFreedom() const { return m_turnFreedom; }
-	/// The part sigma alpha ( 1 + kappa |m| ) / G of the operator's resistance that is numerical damping.
-	double numericalPart() const { return m_numericalPart; }
 
 	// A body whose cells form several parts moves as so many: the following refers to one of them, or to the whole body where it is in one.
 	const ConnectedParts& parts() const { return m_rates.parts(); }
@@ -136,7 +132,7 @@ private:
 	float m_stiffness = 0.0f;    ///< G = gamma alpha ( 1 + kappa |m| ) + h c
 	float m_volume = 0.0f;       ///< kappa gamma alpha / G
 	bool m_hasHeldNodes = false;
-	double m_turnFreedom = 0.0, m_rolling = 0.0, m_numericalPart = 0.0;
+	double m_turnFreedom = 0.0;
 	std::vector<char> m_isHeld;              ///< of each part
 	std::vector<Vector6> m_freeMomentum;     ///< of each part with the velocities of free flight, v*
 	std::vector<Eigen::Matrix3d> m_inertias; ///< of each part, kg m^2; with a minimum

@@ -25,8 +25,9 @@ inline constexpr std::size_t kPositionsAhead = 12;
 inline constexpr btScalar kContactSlop = btScalar( 0.04 );
 /// Largest distance at which a node that pressed an object in the last substep keeps its contact, in node radii.
 inline constexpr double kMostPressedReach = 0.5;
-/// Largest depth to which nodes of rolling bodies land, in node radii.
-inline constexpr double kLandingDepth = 0.13;
+/// Largest depth to which nodes of rolling bodies land, in node radii and in distances from the surface before the step. With the second
+/// at 1 default balls of .4, .1 and .05 m keep 94, 94 and 91 % of a rigid one's velocity, at 2 to 3 95, 96 and 94 %.
+inline constexpr double kLandingDepth = 0.13, kLandingGaps = 2.0;
 
 /// Spheres that miss a plane or box by more than this fraction of a radius are rejected early: rounding in a world 10 000 km wide.
 inline constexpr double kFarSlack = 1e-6;
@@ -162,10 +163,6 @@ inline constexpr float kRestitutionReach = 0.5f;
 
 /// Energy added by a block's contacts, relative to all they transfer, that counts as rounding error; ends that iteration too.
 inline constexpr double kBounceSlack = 1e-4;
-/// The normal impulses of a rolling body's contacts are changed by at most this fraction, so that all of them still press.
-inline constexpr double kMostRollingShift = 0.9;
-/// A contact whose friction is below this fraction of its limit sticks.
-inline constexpr double kStickingFriction = 0.95;
 
 // The implicit step's contacts (docs/design/implicit.md says how each was found).
 /// A contact's stiffness in units of its nodes' own resistance.

@@ -119,7 +119,7 @@ struct Material
 	/// Numerical damping of the implicit step, [0, 1]: 1 stops vibrations within a few periods at a step of 1/60 s and is the most robust;
 	/// 0 leaves damping to `damping` and `wobbleDamping`. Rigid motion and momentum are not affected. Implicit step only. A body that lands
 	/// on something takes the world's soft substeps, without numerical damping as far as they resolve the impact, until it is over: it
-	/// rebounds by its own elasticity. Below 1 a body takes them wherever they resolve its vibrations.
+	/// rebounds by its own elasticity. So does a body that rolls. Below 1 a body takes them wherever they resolve its vibrations.
 	float numericalDamping = 1.0f;
 
 	/// A body whose strains and vibrations are below this is moved as one rigid body, [0, 0.1], until an impact, a load or a call of the

@@ -126,8 +126,8 @@ double IslandBlock::rollingLag( const BlockContact& contact, double h )
 }
 
 // A node of a rolling body that lands within a step is stopped at the surface at its end, on average half a step too early: this presses
-// the front of the body and brakes the rotation. So it may end as deep as it was apart. Contacts on the drawn surface, and explicit
-// substeps, do not need it.
+// the front of the body and brakes the rotation. So it may end deeper, the more the farther it was apart. Contacts on the drawn surface do
+// not need it.
 double IslandBlock::landingDepth( const BlockContact& contact, double gap ) const
 {
 	double depth = 0.0;
@@ -137,7 +137,7 @@ double IslandBlock::landingDepth( const BlockContact& contact, double gap ) cons
 		{
 			const SoftPart& part = soft[std::size_t( side.soft )];
 			const double most = kLandingDepth * double( part.owner->impl().shape->sphereOfNode( side.node )->getRadius() );
-			depth = std::max( depth, part.motion->turnFreedom() * std::min( gap, most ) );
+			depth = std::max( depth, part.owner->impl().elasticity.rolling * std::min( kLandingGaps * gap, most ) );
 		}
 	}
 	return depth;

@@ -88,12 +88,15 @@ ImplicitStepPlan planImplicitStep( const SoftBody& body, double gameStep, int us
 	ImplicitStepPlan plan{ std::max( 1, int( std::ceil( gameStep / kLongestImplicitStep - 1e-3 ) ) ), body.material().numericalDamping };
 	const bool isUndamped = plan.numericalDamping != 1.0f;
 	const bool lands = body.impl().elasticity.landingTime > 0.0;
-	if ( lands )
+	const double rolling = body.impl().elasticity.rolling;
+	if ( lands || rolling > 0.0 )
 	{
 		// Whether a link breaks depends on the largest strain within the impact.
 		const bool isWhole = travel <= kResolvedTravel && body.fracture().rule == BreakRule::Never;
 		plan.parts = std::max( plan.parts, isWhole ? 1 : usual );
-		plan.numericalDamping *= float( 1.0 - resolvedFraction( body, gameStep / plan.parts ) );
+		// The strain of a rolling body is at rest in space and turns in its material, which numerical damping takes for a vibration.
+		const double resolved = lands ? resolvedFraction( body, gameStep / plan.parts ) : 0.0;
+		plan.numericalDamping *= float( ( 1.0 - resolved ) * ( 1.0 - rolling ) );
 	}
 	if ( isUndamped && travel <= kResolvedTravel * usual )
 	{

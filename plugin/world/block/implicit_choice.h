@@ -40,10 +40,12 @@ struct ElasticityState
 	double calmTime = 0.0;    ///< time since the implicit step was last needed, s
 	double load = 0.0;        ///< on its touched nodes, in units of their own weight, smoothed
 	double landingTime = 0.0; ///< that a landing of an implicit body still takes, s; 0: none
+	double turnFreedom = 0.0; ///< whether nothing but contacts hinders its rotation, from 0 (it rocks at rest) to 1; of the last substep
 
 	// Of the current game step.
 	bool checksLoads = false; ///< its stiffness alone does not need the implicit step
 	bool needsImplicit = false;
+	double rolling = 0.0;                 ///< `turnFreedom` of a body that touches something, and whose rolling substeps may resolve
 	double heaviestLoad = 0.0;            ///< mass of the heaviest object that rests on it, kg
 	double impulse = 0.0, nodeMass = 0.0; ///< impulse on its touched nodes, N s, and their mass, kg
 };
@@ -63,8 +65,8 @@ struct ImplicitStepPlan
 	int parts = 1;                 ///< equal parts of the step
 	float numericalDamping = 1.0f; ///< in each of them, [0, 1]
 };
-/// Divides a game step of `gameStep`, s, where it would not resolve a landing, or vibrations that the material keeps
-/// (Material::numericalDamping below 1), both in at most `usual` parts; where the body's shape changes much; and where the step is long.
+/// Divides a game step of `gameStep`, s, where it would not resolve a landing, a body that rolls, or vibrations that the material keeps
+/// (Material::numericalDamping below 1), all in at most `usual` parts; where the body's shape changes much; and where the step is long.
 ImplicitStepPlan planImplicitStep( const SoftBody& body, double gameStep, int usual );
 
 /// Returns the fraction of restitution that acts on an implicit body against a heavy object in a step of `h`, s, [0, 1]: none where the

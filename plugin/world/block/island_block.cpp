@@ -246,7 +246,6 @@ BlockCount IslandBlock::solve( TaskRunner* runner )
 	solveLaw( count );
 	limitEnergy( count );
 	completeBounce();
-	keepRolling();
 	carryImpulses();
 	bounceAsRigid(); // the next substep starts from the impulses that stopped the nodes
 	readSolution();

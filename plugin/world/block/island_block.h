@@ -356,19 +356,13 @@ private:
 	/// Sets m_bounced to the velocities of the rigid motions that are contained in m_v.
 	void respondRigidly();
 	void fillRigidMotions();
-	/// Whether nothing but contacts moves the bodies of the block, and all soft ones step implicitly.
+	/// Whether nothing but contacts moves the bodies of the block.
 	bool movesFreely() const;
 	bool listPressing( int index );
 	void bounceAsRigid();
 	void bounceAsRigid( const SoftPart& part, int index );
 	void rubAsRigid( const SoftPart& part, double friction );
 	void addMotion( const SoftPart& part, double factor );
-	void keepRolling();
-	void keepRolling( int index );
-	void shiftRolling( double energy, double work, double mean, double most );
-	/// Returns the energy that the contacts in m_pressing and numerical damping take from a part, J.
-	double energyTaken( const SoftPart& part ) const;
-	Vec3d velocityOfCentre( const SoftPart& part, const float* v ) const;
 
 	// In block_momentum.cpp.
 	void restoreMomentum();
@@ -393,7 +387,7 @@ private:
 	AlignedArray<float> m_v, m_next, m_rightSide, m_scratch;
 	AlignedArray<float> m_free, m_freeNext;        ///< b - A v at m_v and at m_next, without contacts
 	AlignedArray<float> m_bounced;                 ///< velocities with full restitution, of rigid motions; scratch of block_restitution.cpp
-	std::vector<std::size_t> m_pressing;           ///< contacts of one body that press; scratch of keepRolling and bounceAsRigid
+	std::vector<std::size_t> m_pressing;           ///< contacts of one body that press; scratch of bounceAsRigid
 	std::vector<ContactImpulse> m_bouncedImpulses; ///< by contact, with full restitution; scratch of reduceBounce
 	AlignedArray<float> m_massProduct;             ///< the last product without contacts
 	AlignedArray<float> m_inverseDiagonal;         ///< 1 / A_ii of the soft parts' nodes, at the index of their first component

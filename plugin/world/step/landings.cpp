@@ -228,8 +228,9 @@ void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
 	for ( SoftBody* body : m_bodies )
 	{
 		const double slowest = canSplit ? leastLanding( *body, double( gameStep ), usual ) : SIMD_INFINITY;
-		double& landingTime = body->impl().elasticity.landingTime;
-		landingTime = slowest < SIMD_INFINITY ? std::max( 0.0, landingTime - double( gameStep ) ) : 0.0;
+		ElasticityState& state = body->impl().elasticity;
+		state.landingTime = slowest < SIMD_INFINITY ? std::max( 0.0, state.landingTime - double( gameStep ) ) : 0.0;
+		state.rolling = slowest < SIMD_INFINITY && !body->impl().touched.empty() ? state.turnFreedom : 0.0;
 		least = std::min( least, slowest );
 	}
 	if ( least == SIMD_INFINITY )
@@ -237,6 +238,11 @@ void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
 		return;
 	}
 	countIslandBodies();
+	for ( SoftBody* body : m_bodies )
+	{
+		double& rolling = body->impl().elasticity.rolling;
+		rolling = isSmallImpact( *body, *body ) ? rolling : 0.0;
+	}
 	const btScalar reach = btScalar( kLandingSteps ) * gameStep;
 	const btScalar slowest = btScalar( 0.5 * least ); // the faster of two objects makes at least half of their approach
 	m_fastPairs.visit( m_world, reach, slowest, speedOf, [&]( btCollisionObject& fast, btCollisionObject& other ) {

@@ -76,8 +76,9 @@ void SoftBodySystem::leaveLargeGroups( const SubstepGroup::Scene& scene, btScala
 {
 	for ( SoftBody* body : m_substepped )
 	{
-		double& landingTime = body->impl().elasticity.landingTime;
-		if ( landingTime == 0.0 && !ImplicitChoice::mayLeaveGroup( *body ) )
+		ElasticityState& state = body->impl().elasticity;
+		const bool movesInParts = state.landingTime > 0.0 || state.rolling > 0.0;
+		if ( !movesInParts && !ImplicitChoice::mayLeaveGroup( *body ) )
 		{
 			continue;
 		}
@@ -86,7 +87,8 @@ void SoftBodySystem::leaveLargeGroups( const SubstepGroup::Scene& scene, btScala
 		{
 			continue;
 		}
-		landingTime > 0.0 ? void( landingTime = 0.0 ) : ImplicitChoice::leaveGroup( *body );
+		state.landingTime = state.rolling = 0.0;
+		movesInParts ? void() : ImplicitChoice::leaveGroup( *body );
 	}
 }
 
