@@ -179,7 +179,7 @@ float Body::wobbleRate( float h, float alpha ) const
 	}
 	const double speed = m_lattice->cellSize / double( h ) * std::sqrt( stiffnessMoment( h, alpha ) );
 	const double omega = kPi * speed / m_restLength;
-	return float( 2.0 * m_material.wobbleDamping * omega );
+	return float( 2.0 * m_material.wobbleDamping * omega * ( 1.0 - m_rolling ) );
 }
 
 // Where alpha is clamped to its limit, the regions alone only reach E_f = rho d^2 w ( w + 1 ) / ( 3 h^2 ). Matching the whole body reaches

@@ -223,6 +223,11 @@ public:
 	void pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner* runner );
 	/// Numerical damping of the implicit substeps from now on, [0, 1]; without a value that of the material, as at first.
 	void dampNumerically( std::optional<float> damping ) { m_numericalDamping = damping; }
+	/// Whether the body turns about an axis across `up`, a unit vector, from 0 (it rocks at rest, is held or in several parts) to 1.
+	double turnFreedom( const Vec3d& up ) const;
+	/// Until the next call 1 - `rolling`, [0, 1], of the material's wobble damping acts: the strain of a rolling body is at rest in space
+	/// and turns in its material, which the damping takes for a vibration.
+	void rollFreely( double rolling ) { m_rolling = rolling; }
 	/// Solves A x = `impulse` for the velocities that impulses on the nodes give within the substep of pushImplicitly, from the guess in
 	/// `velocity`; both of nodes().padded floats a component, zero at pinned nodes.
 	void respond( const float* impulse, float* velocity, TaskRunner* runner );
@@ -374,6 +379,7 @@ private:
 	LevelDebt m_energyDebt;     ///< of explicit steps
 	bool m_wasImplicit = false; ///< in the last substep
 	std::optional<float> m_numericalDamping;
+	double m_rolling = 0.0; ///< of rollFreely
 	bool m_isOnePart = true;
 	double m_secondMoment = 0.0; ///< m^2, mean over the axes, per mass
 	double m_restLength = 1.0;   ///< m, longest edge of the rest shape's box

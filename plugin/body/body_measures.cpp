@@ -1,8 +1,10 @@
 // Sums and measures over a body's nodes, in double and in a fixed order.
 
 #include "body/body.h"
+#include "body/constants.h"
 #include "body/levels/levels.h"
 
+#include "matching/constants.h"
 #include "matching/matcher.h"
 #include "matching/regions/region_moments.h"
 #include "matching/rotation.h"
@@ -47,6 +49,21 @@ Vec3d Body::angularVelocity() const
 {
 	const BodySums whole = sums();
 	return inverseOfPart( inertiaAbout( whole.centre ), whole.mass ) * whole.spin;
+}
+
+// w^2 L / g of the angular velocity w across `up`, of which 2 v / d is a bound: v the root mean square of the nodes' velocities, d the cell
+// size. A rotation about `up`, as on a turntable, changes no strain of a body that lies on something.
+double Body::turnFreedom( const Vec3d& up ) const
+{
+	const double bound = 4.0 * m_motion.squareSpeed / m_motion.mass / ( double( m_lattice->cellSize ) * m_lattice->cellSize );
+	if ( !( bound * m_restLength / kStandardGravity > kRockingTurn ) || !m_isOnePart || m_nodes.hasHeldNodes() )
+	{
+		return 0.0;
+	}
+	const Vec3d turn = angularVelocity();
+	const double measure = ( turn - turn.dot( up ) * up ).squaredNorm() * m_restLength / kStandardGravity;
+	const double above = std::clamp( ( measure - kRockingTurn ) / ( kFreeTurn - kRockingTurn ), 0.0, 1.0 );
+	return above * above * ( 3.0 - 2.0 * above ); // smooth at both ends
 }
 
 Vec3d Body::angularVelocityOf( const Vec3d& spin ) const

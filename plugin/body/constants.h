@@ -9,8 +9,8 @@ namespace pliant {
 inline constexpr float kSmallestScale = 1e-6f, kLargestScale = 1e6f;
 
 /// Squared angular velocity of a body, times its length over g: below the first it rocks at rest, as in stacks and heaps; above the second,
-/// a ball of 0.4 m at 0.7 m/s, it rolls: what a step takes from its rotation is returned, and its nodes land as deep as they were apart.
-inline constexpr double kRockingTurn = 0.025, kFreeTurn = 0.25;
+/// a ball of 0.4 m at 1 m/s, it rolls.
+inline constexpr double kRockingTurn = 0.1, kFreeTurn = 0.5;
 
 // --- Segments of large bodies (segments.h) ---
 

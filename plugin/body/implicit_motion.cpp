@@ -63,20 +63,6 @@ void ImplicitMotion::keepFreeMomentum()
 	}
 }
 
-/// Returns 0 for a body that rocks at rest, 1 for one that turns freely; smooth between the two. Bodies that are held, or in several parts,
-/// do not roll.
-double ImplicitMotion::freedomOfTurn( double length ) const
-{
-	if ( m_hasHeldNodes || parts().areSeveral() )
-	{
-		return 0.0;
-	}
-	const Vector6 motion = rigidMotion( m_freeMomentum[0] );
-	const double turn = motion.tail<3>().squaredNorm() * length / kStandardGravity;
-	const double above = std::clamp( ( turn - kRockingTurn ) / ( kFreeTurn - kRockingTurn ), 0.0, 1.0 );
-	return above * above * ( 3.0 - 2.0 * above );
-}
-
 void ImplicitMotion::begin(
 	LatticeMatcher& matcher, NodeState& nodes, const float* pushed, const ImplicitStep& step, const NodePull& pull, TaskRunner* runner )
 {
@@ -97,7 +83,6 @@ void ImplicitMotion::begin(
 	const auto least = [&]( double mass ) { return kLeastInertia * mass * step.secondMoment; };
 	raiseInertias( least, [&]( double mass ) { return least( mass ) / 3.0; } );
 	keepFreeMomentum();
-	m_turnFreedom = freedomOfTurn( step.length );
 	m_secondMoment = step.secondMoment;
 	measureArms();
 
@@ -132,7 +117,6 @@ void ImplicitMotion::beginFree( NodeState& nodes )
 	m_nodes = &nodes;
 	m_pull = nullptr; // an explicit body's nodes have been drawn already
 	m_stiffness = m_volume = 0.0f;
-	m_turnFreedom = 0.0;
 }
 
 void ImplicitMotion::measureRigid( NodeState& nodes, const ConnectedParts* parts )

@@ -38,7 +38,6 @@ struct ImplicitStep
 	float numericalDamping = 1.0f; ///< sigma
 	float volumeKeeping = 0.0f;    ///< kappa
 	double secondMoment = 0.0;     ///< of a full region, per axis and mass, m^2
-	double length = 0.0;           ///< of the rest shape, m
 };
 
 class ImplicitMotion
@@ -70,8 +69,6 @@ public:
 	/// the whole do as well: for small, soft and compact bodies, and those in several parts.
 	const Segments* segments( const Lattice& lattice );
 	bool hasHeldNodes() const { return m_hasHeldNodes; }
-	/// Whether the body turns freely, from 0 (it rocks at rest, is held or in several parts) to 1.
-	double turnFreedom() const { return m_turnFreedom; }
 
 	// A body whose cells form several parts moves as so many: the following refers to one of them, or to the whole body where it is in one.
 	const ConnectedParts& parts() const { return m_rates.parts(); }
@@ -110,7 +107,6 @@ public:
 private:
 	void measurePinned();
 	void keepFreeMomentum();
-	double freedomOfTurn( double length ) const;
 	float gainOf( int node ) const { return m_pull ? m_pull->gain[std::size_t( node )] : 0.0f; }
 	bool isHeldNode( int node ) const { return m_nodes->freedom[node] == 0.0f || gainOf( node ) > 0.0f; }
 	float heldResistance( int node ) const;
@@ -132,7 +128,6 @@ private:
 	float m_stiffness = 0.0f;    ///< G = gamma alpha ( 1 + kappa |m| ) + h c
 	float m_volume = 0.0f;       ///< kappa gamma alpha / G
 	bool m_hasHeldNodes = false;
-	double m_turnFreedom = 0.0;
 	std::vector<char> m_isHeld;              ///< of each part
 	std::vector<Vector6> m_freeMomentum;     ///< of each part with the velocities of free flight, v*
 	std::vector<Eigen::Matrix3d> m_inertias; ///< of each part, kg m^2; with a minimum

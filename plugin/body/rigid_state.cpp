@@ -40,11 +40,6 @@ Eigen::Quaterniond rotationBy( const Vec3d& vector )
 	return angle > 0.0 ? Eigen::Quaterniond( Eigen::AngleAxisd( angle, vector / angle ) ) : Eigen::Quaterniond::Identity();
 }
 
-bool hasHeldNodes( const NodeState& nodes )
-{
-	return std::any_of( nodes.freedom.begin(), nodes.freedom.begin() + nodes.count, []( float freedom ) { return freedom == 0.0f; } );
-}
-
 /// Whether pinned nodes leave a body no rigid motion: they are spread in two directions, or there are no others. `cell`: size, m.
 bool areHeldFirmly( const NodeState& nodes, double cell )
 {
@@ -178,7 +173,7 @@ bool Body::isHardlyStrained( const StrainSize& strain ) const
 bool Body::canBecomeRigid( bool isAtRest ) const
 {
 	const double limit = largestInvisibleStrain();
-	const bool isHeld = hasHeldNodes( m_nodes );
+	const bool isHeld = m_nodes.hasHeldNodes();
 	if ( m_rigid || m_material.rigidStrain == 0.0f || !m_isOnePart || hasBrokenLinks() || hasFlowed() ||
 		!( isHeld ? isAtRest && areHeldFirmly( m_nodes, double( m_lattice->cellSize ) ) : vibratesLess( limit ) ) )
 	{
@@ -209,7 +204,7 @@ void Body::becomeRigid()
 		[thin, least]( double moment ) { return moment > thin ? std::max( moment, least ) : 0.0; } );
 	state.motion.rotation = Eigen::Quaterniond( frame ).normalized();
 	state.motion.centre = m_nodes.origin + whole.centre;
-	state.isHeld = hasHeldNodes( m_nodes );
+	state.isHeld = m_nodes.hasHeldNodes();
 	if ( !state.isHeld )
 	{
 		state.motion.velocity = whole.momentum / whole.mass;

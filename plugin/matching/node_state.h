@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 
@@ -55,6 +56,10 @@ struct NodeState
 	/// Writes or reads everything but rest positions, for nodes whose count is set.
 	void archive( Archive& archive );
 	Eigen::Vector3d worldPosition( int i ) const { return origin + x.get( i ).cast<double>(); }
+	bool hasHeldNodes() const
+	{
+		return std::any_of( freedom.begin(), freedom.begin() + count, []( float value ) { return value == 0.0f; } );
+	}
 	/// The smallest and the largest component of any velocity along each axis, m/s.
 	std::pair<Eigen::Vector3f, Eigen::Vector3f> velocityBounds() const
 	{

@@ -109,8 +109,8 @@ struct Material
 	float damping = 10.0f;
 
 	/// Damping of slow vibrations, as a fraction of the critical damping of the body's slowest free vibration, [0, 1]; 0: none. Conserves
-	/// momentum and does not affect flight, rolling or swinging of the body as a whole. In a body of several unconnected parts each part is
-	/// damped by its own slowest vibration (Method::Lattice; other methods: not at all).
+	/// momentum and does not affect flight or swinging of the body as a whole, nor rolling unless the body can break. In a body of several
+	/// unconnected parts each part is damped by its own slowest vibration (Method::Lattice; other methods: not at all).
 	float wobbleDamping = 0.15f;
 
 	/// How elasticity is integrated in time.

@@ -216,28 +216,9 @@ void BlockSolve::before( const Scene& scene, TaskRunner* runner )
 	{
 		m_count.passes = std::max( m_count.passes, counts[std::size_t( k )].passes );
 		m_count.products = std::max( m_count.products, counts[std::size_t( k )].products );
-		noteTurns( m_blocks[std::size_t( k )] );
 		storeVelocities( m_blocks[std::size_t( k )] );
 		BlockContacts::writeBack( m_blocks[std::size_t( k )] );
 		BlockContacts::storeForces( m_blocks[std::size_t( k )], attachments );
-	}
-}
-
-void BlockSolve::noteTurns( const IslandBlock& block )
-{
-	for ( const SoftPart& part : block.soft )
-	{
-		part.owner->impl().elasticity.turnFreedom = part.motion->turnFreedom();
-	}
-	for ( const BlockContact& contact : block.contacts )
-	{
-		for ( const ContactSide& side : contact.side )
-		{
-			if ( contact.isAttachment() && side.soft >= 0 )
-			{
-				block.soft[std::size_t( side.soft )].owner->impl().elasticity.turnFreedom = 0.0;
-			}
-		}
 	}
 }
 

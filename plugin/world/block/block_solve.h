@@ -60,7 +60,6 @@ private:
 
 	void makeBlocks( const std::vector<SoftBody*>& awake, const Attachments& attachments );
 	OutsideImpulse& outsideOf( const btCollisionObject& object );
-	static void noteTurns( const IslandBlock& block );
 	void storeVelocities( IslandBlock& block );
 
 	std::deque<IslandBlock> m_blocks; ///< grows only

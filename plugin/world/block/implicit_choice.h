@@ -40,12 +40,11 @@ struct ElasticityState
 	double calmTime = 0.0;    ///< time since the implicit step was last needed, s
 	double load = 0.0;        ///< on its touched nodes, in units of their own weight, smoothed
 	double landingTime = 0.0; ///< that a landing of an implicit body still takes, s; 0: none
-	double turnFreedom = 0.0; ///< whether nothing but contacts hinders its rotation, from 0 (it rocks at rest) to 1; of the last substep
 
 	// Of the current game step.
 	bool checksLoads = false; ///< its stiffness alone does not need the implicit step
 	bool needsImplicit = false;
-	double rolling = 0.0;                 ///< `turnFreedom` of a body that touches something, and whose rolling substeps may resolve
+	double rolling = 0.0;                 ///< of a body whose rolling substeps may resolve, from 0 (it rocks at rest) to 1
 	double heaviestLoad = 0.0;            ///< mass of the heaviest object that rests on it, kg
 	double impulse = 0.0, nodeMass = 0.0; ///< impulse on its touched nodes, N s, and their mass, kg
 };

@@ -176,6 +176,18 @@ double SoftBodySystem::leastLanding( const SoftBody& body, double gameStep, int 
 	return std::max( kLandingStrain * soundVelocity( body ), std::sqrt( 2.0 * g * fall ) );
 }
 
+/// Whether a body rolls on something, from 0 to 1.
+double SoftBodySystem::rollingOf( const SoftBody& body ) const
+{
+	const btVector3 gravity = gravityOf( body );
+	if ( body.impl().touched.empty() || body.impl().rigidProxy || gravity.isZero() )
+	{
+		return 0.0;
+	}
+	const double freedom = body.impl().body->turnFreedom( toVec3d( -gravity.normalized() ) );
+	return freedom > 0.0 && attachments.contain( body ) ? 0.0 : freedom;
+}
+
 void SoftBodySystem::countIslandBodies()
 {
 	m_islandBodies.clear();
@@ -230,7 +242,10 @@ void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
 		const double slowest = canSplit ? leastLanding( *body, double( gameStep ), usual ) : SIMD_INFINITY;
 		ElasticityState& state = body->impl().elasticity;
 		state.landingTime = slowest < SIMD_INFINITY ? std::max( 0.0, state.landingTime - double( gameStep ) ) : 0.0;
-		state.rolling = slowest < SIMD_INFINITY && !body->impl().touched.empty() ? state.turnFreedom : 0.0;
+		const double rolling = state.landingTime == 0.0 ? rollingOf( *body ) : 0.0;
+		state.rolling = slowest < SIMD_INFINITY ? rolling : 0.0;
+		// What wobble damping leaves of a vibration may break links.
+		body->impl().body->rollFreely( body->fracture().rule == BreakRule::Never ? rolling : 0.0 );
 		least = std::min( least, slowest );
 	}
 	if ( least == SIMD_INFINITY )

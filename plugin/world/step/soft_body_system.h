@@ -233,6 +233,7 @@ private:
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
 	double leastLanding( const SoftBody& body, double gameStep, int usual ) const;
+	double rollingOf( const SoftBody& body ) const;
 	void noteLandings( btScalar gameStep, int usual, bool canSplit );
 	void countIslandBodies();
 	bool isSmallImpact( const btCollisionObject& a, const btCollisionObject& b ) const;

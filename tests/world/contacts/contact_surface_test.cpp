@@ -82,7 +82,7 @@ double rolled( bool isDrawn, Elasticity elasticity, float modulus )
 }
 
 // At a step of a sixtieth the ball kept .89 of 1.43 m/s on its nodes' spheres, and in the explicit step 1.13. On the drawn surface it kept
-// 1.28 in either step while nodes at its rear lost their contacts too soon.
+// 1.28 in either step while nodes at its rear lost their contacts too soon. With wobble damping the explicit step kept 1.24 on the spheres.
 TEST( ContactSurface, BallsRollOn )
 {
 	constexpr double kRigid = 10.0 / 7.0;
@@ -93,8 +93,8 @@ TEST( ContactSurface, BallsRollOn )
 			const double stiff = rolled( isDrawn, elasticity, 1e6f ), flat = rolled( isDrawn, elasticity, 2e5f );
 			std::printf( "%s, %s: rolls on at %.3f m/s with 1e6 Pa, %.3f with 2e5\n", isDrawn ? "drawn" : "spheres",
 				elasticity == Elasticity::Explicit ? "explicit" : "implicit", stiff, flat );
-			EXPECT_GT( stiff, ( isDrawn || elasticity == Elasticity::Implicit ? 0.95 : 0.86 ) * kRigid );
-			EXPECT_GT( flat, 0.75 * kRigid );
+			EXPECT_GT( stiff, 0.95 * kRigid );
+			EXPECT_GT( flat, 0.8 * kRigid );
 		}
 	}
 }
