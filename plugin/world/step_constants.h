@@ -16,6 +16,8 @@ inline constexpr double kLandingSteps = 2.0, kLandingCrossings = 4.0;
 inline constexpr int kMostLandingBodies = 2;
 /// Implicit bodies take longer game steps in parts of at most this length, s.
 inline constexpr double kLongestImplicitStep = 1.0 / 30.0;
+/// Up to this game step, s, the default bound of the number of substeps holds; longer ones get proportionally more.
+inline constexpr double kLongestPlayedStep = 1.0 / 15.0;
 /// Links of an implicit body that sound crosses more often than this in a step are stretched by at most this in it, in rest lengths.
 inline constexpr double kStiffTravel = 4.0, kMostStretch = 0.15;
 

@@ -137,7 +137,8 @@ public:
 	void setSoftSubsteps( int count );
 	/// The number last set, 1 to 64.
 	[[nodiscard]] int softSubsteps() const;
-	/// Sets the largest number that they are raised to, clamped to 1 to 64, default 16. setSoftSubsteps may set more.
+	/// Sets the largest number that they are raised to, clamped to 1 to 64, default 16. A number of 16 and more is for steps of up to
+	/// 1/15 s; longer ones get proportionally more, up to 64. setSoftSubsteps may set more.
 	void setMaxSoftSubsteps( int count );
 	/// The number last set, 1 to 64.
 	[[nodiscard]] int maxSoftSubsteps() const;

@@ -174,6 +174,7 @@ struct SoftBody::Impl
 	ElasticityState elasticity;     ///< for Elasticity::Automatic
 	bool isImplicit = false;        ///< takes the implicit step in this substep
 	double lastSubstep = 0.0;       ///< length of the last substep, s; 0: none yet
+	double gravityShare = 1.0;      ///< of gravity's impulse h m g in this substep
 	int block = -1, blockPart = -1; ///< indices in this substep's implicit solution; -1: none
 	bool isGuarded = false;         ///< it was fast and is near an obstacle: the tunneling guard still applies though it is slow now
 	bool isHealthy = true;

@@ -180,6 +180,15 @@ private:
 		back.aside = at + back.reach * back.normal;
 		return back;
 	}
+	/// Whether a patch's sphere touches within the half width of the patch; makes it smaller if not, as findPatchTouch does. `inwards`: of
+	/// its centre behind the node, m; `cosine`: of the angle between the normals of patch and contact; `size`: of the node, m.
+	static bool comesNear( double& inwards, double cosine, double size )
+	{
+		const double sine = std::sqrt( std::max( 0.0, 1.0 - cosine * cosine ) ), most = kPatchHalfWidth * size;
+		const bool isNear = inwards * sine <= most * ( 1.0 + kPatchTolerance );
+		inwards = isNear ? inwards : most / sine;
+		return isNear;
+	}
 	/// Tests two patches. Only nodes that face each other are paired: no point of a grid is farther than .71 of its step from the nearest
 	/// grid point. Flat faces meet along the mean of their normals, each node on its own line; as the large spheres that represent them
 	/// they would roll on each other. `sizes`: of the nodes, m.
@@ -188,22 +197,28 @@ private:
 	{
 		const double cell = std::max( sizes[0], sizes[1] );
 		const bool isFlat = one.isFlat( cell ), isOtherFlat = other.isFlat( cell );
-		const double inwards = isFlat ? 0.0 : one.radius - one.height, otherInwards = isOtherFlat ? 0.0 : other.radius - other.height;
-		const Vec3d centre = sphere.centre - inwards * one.normal, otherCentre = ball.at - otherInwards * other.normal;
-		const Vec3d apart = isFlat && isOtherFlat ? Vec3d( other.normal - one.normal )
-			: isFlat                              ? Vec3d( -one.normal )
-			: isOtherFlat                         ? other.normal
-												  : Vec3d( centre - otherCentre );
-		const double length = apart.norm();
-		if ( !( length > 0.0 ) )
+		double inwards = isFlat ? 0.0 : one.radius - one.height, otherInwards = isOtherFlat ? 0.0 : other.radius - other.height;
+		bool isNear = false;
+		for ( int round = 0; round < kPatchRounds && !isNear; ++round )
 		{
-			return PatchAnswer::UseSphere;
-		}
-		touch.normal = apart / length;
-		const double cosine = -touch.normal.dot( one.normal ), otherCosine = touch.normal.dot( other.normal );
-		if ( cosine < kLeastContactCosine || otherCosine < kLeastContactCosine )
-		{
-			return PatchAnswer::UseSphere;
+			const Vec3d centre = sphere.centre - inwards * one.normal, otherCentre = ball.at - otherInwards * other.normal;
+			const Vec3d apart = isFlat && isOtherFlat ? Vec3d( other.normal - one.normal )
+				: isFlat                              ? Vec3d( -one.normal )
+				: isOtherFlat                         ? other.normal
+													  : Vec3d( centre - otherCentre );
+			const double length = apart.norm();
+			if ( !( length > 0.0 ) )
+			{
+				return PatchAnswer::UseSphere;
+			}
+			touch.normal = apart / length;
+			const double cosine = -touch.normal.dot( one.normal ), otherCosine = touch.normal.dot( other.normal );
+			if ( cosine < kLeastContactCosine || otherCosine < kLeastContactCosine )
+			{
+				return PatchAnswer::UseSphere;
+			}
+			const bool isOneNear = comesNear( inwards, cosine, sizes[0] ), isOtherNear = comesNear( otherInwards, otherCosine, sizes[1] );
+			isNear = isOneNear && isOtherNear;
 		}
 		const Vec3d at = -inwards * one.normal - ( inwards + one.height ) * touch.normal,
 					otherAt = -otherInwards * other.normal + ( otherInwards + other.height ) * touch.normal;

@@ -160,7 +160,18 @@ btVector3 SoftBodySystem::gravityOf( const SoftBody& body ) const
 Vec3 SoftBodySystem::ownAcceleration( const SoftBody& body ) const
 {
 	const SoftBody::Impl& impl = body.impl();
-	return toVec3( gravityOf( body ) + impl.centralForce / btScalar( impl.mass ) );
+	return toVec3( btScalar( impl.gravityShare ) * gravityOf( body ) + impl.centralForce / btScalar( impl.mass ) );
+}
+
+// v' = v + g ( h0 + h ) / 2, h0 the last substep's length: the positions x' = x + h v' then lie on one parabola whatever the steps, as
+// those of equal steps do.
+double SoftBodySystem::gravityShareOf( const SoftBody& body, double h ) const
+{
+	const SoftBody::Impl& impl = body.impl();
+	const double last = impl.lastSubstep;
+	const bool hasChanged = last > 0.0 && std::abs( last - h ) > kParallel * h;
+	const bool isInFlight = hasChanged && impl.touched.empty() && impl.pins.empty() && !impl.follower && !attachments.contain( body );
+	return isInFlight ? 0.5 * ( last + h ) / h : 1.0;
 }
 
 void SoftBodySystem::accelerate( btScalar h, int substep )
@@ -175,6 +186,7 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 	adaptLevels( h );
 	for ( SoftBody* body : m_awake )
 	{
+		body->impl().gravityShare = gravityShareOf( *body, double( h ) );
 		body->impl().lastSubstep = double( h );
 		drivePins( *body, h, substep );
 		if ( PoseFollower* const follower = body->impl().follower.get() )

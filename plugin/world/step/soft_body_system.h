@@ -198,6 +198,7 @@ private:
 	StiffnessPlan planOf( const SoftBody& body, btScalar gameStep, int count ) const;
 	btVector3 gravityOf( const SoftBody& body ) const;  ///< its own or the world's, m/s^2
 	Vec3 ownAcceleration( const SoftBody& body ) const; ///< gravity and the game's force, m/s^2
+	double gravityShareOf( const SoftBody& body, double h ) const;
 	/// Returns false if a number is not finite or a node is faster than kSpeedLimit.
 	bool sweepBox( SoftBody& body, btScalar h ) const;
 	void quarantine( SoftBody& body );
@@ -239,6 +240,7 @@ private:
 	bool isSmallImpact( const btCollisionObject& a, const btCollisionObject& b ) const;
 	void noteLanding( SoftBody& body, btCollisionObject& other, btScalar gameStep, int usual );
 	int listSubstepped( btScalar gameStep, int usual );
+	int mostSubsteps( btScalar gameStep ) const;
 	bool isGroupTooLarge( const SubstepGroup::Scene& scene, int count ) const;
 	void leaveLargeGroups( const SubstepGroup::Scene& scene, btScalar gameStep, int count );
 	bool canBeRigid( const SoftBody& body ) const;

@@ -3,6 +3,7 @@
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/step/soft_body_system.h"
+#include "world/step_constants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +16,7 @@ int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<
 	// The user's number of substeps is per 1/60 s; a longer step gets proportionally more, so that behaviour does not depend on the frame
 	// rate.
 	const int nominal = int( std::ceil( double( substeps ) * gameStep / kNominalStep - 1e-3 ) );
-	const int usual = std::max( substeps, std::min( nominal, std::max( substeps, maxSubsteps ) ) );
+	const int usual = std::max( substeps, std::min( nominal, std::max( substeps, mostSubsteps( gameStep ) ) ) );
 	m_choice.choose( m_bodies, m_world, gameStep, usual );
 	noteLandings( gameStep, usual, canSplit );
 	int count = listSubstepped( gameStep, usual );
@@ -32,10 +33,18 @@ int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<
 	return std::min( count, kLargestSubsteps );
 }
 
+/// A bound that was lowered holds whatever the step; else a step longer than a game runs at gets proportionally more, as it gets substeps.
+int SoftBodySystem::mostSubsteps( btScalar gameStep ) const
+{
+	const double longer = maxSubsteps < kDefaultMaxSubsteps ? 1.0 : std::max( 1.0, double( gameStep ) / kLongestPlayedStep );
+	return std::min( int( std::ceil( maxSubsteps * longer - 1e-3 ) ), kLargestSubsteps );
+}
+
 /// Lists the bodies that take substeps; returns the number that they need. `usual`: the number that explicit ones have at least.
 int SoftBodySystem::listSubstepped( btScalar gameStep, int usual )
 {
 	int count = 1;
+	const int most = mostSubsteps( gameStep );
 	m_substepped.clear();
 	for ( SoftBody* body : m_bodies )
 	{
@@ -52,12 +61,12 @@ int SoftBodySystem::listSubstepped( btScalar gameStep, int usual )
 			{
 				continue;
 			}
-			count = std::max( count, std::min( plan.parts, std::max( usual, maxSubsteps ) ) );
+			count = std::max( count, std::min( plan.parts, std::max( usual, most ) ) );
 		}
 		else
 		{
 			count = std::max( count, usual );
-			count = std::max( count, std::min( planOf( *body, gameStep, count ).substepsNeeded, maxSubsteps ) );
+			count = std::max( count, std::min( planOf( *body, gameStep, count ).substepsNeeded, most ) );
 		}
 		m_substepped.push_back( body );
 	}

@@ -14,6 +14,10 @@ Vec3d positionOnSurface(
 	const ContactProxy* const ( &nodes )[2], const btCollisionObject* const ( &objects )[2], const btManifoldPoint& point )
 {
 	const Vec3d points[2] = { toVec3d( point.getPositionWorldOnA() ), toVec3d( point.getPositionWorldOnB() ) };
+	if ( nodes[0] && nodes[1] )
+	{
+		return points[0]; // on the surface: within a large node it would be out of the reach of the cells of a smaller one
+	}
 	for ( int side = 0; side < 2; ++side )
 	{
 		if ( !nodes[1 - side] && !objects[1 - side]->isStaticOrKinematicObject() )

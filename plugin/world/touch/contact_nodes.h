@@ -17,7 +17,7 @@ Vec3d distributeToNodes( const ContactProxy* const ( &nodes )[2], SharedNodes ( 
 
 /// Sets the nodes that share a contact with a drawn surface, on each side that is a node. Returns the position at which it acts on the
 /// other side, world, m: the point that the nodes' weights reproduce, which conserves angular momentum. Friction acts midway between node
-/// and surface, but at the surface itself on a rigid object that moves: deeper, its longer arm would tip small ones over.
+/// and surface, but at the surface itself on a rigid object that moves, where its longer arm would tip small ones over, and between bodies.
 Vec3d distributeOnSurface( const ContactProxy* const ( &nodes )[2], const btCollisionObject* const ( &objects )[2],
 	const btManifoldPoint& point, SharedNodes ( &shared )[2] );
 
