@@ -164,13 +164,14 @@ Vec3 SoftBodySystem::ownAcceleration( const SoftBody& body ) const
 }
 
 // v' = v + g ( h0 + h ) / 2, h0 the last substep's length: the positions x' = x + h v' then lie on one parabola whatever the steps, as
-// those of equal steps do.
+// those of equal steps do. Not of bodies that can break: shards chatter on the ground in changing steps.
 double SoftBodySystem::gravityShareOf( const SoftBody& body, double h ) const
 {
 	const SoftBody::Impl& impl = body.impl();
 	const double last = impl.lastSubstep;
 	const bool hasChanged = last > 0.0 && std::abs( last - h ) > kParallel * h;
-	const bool isInFlight = hasChanged && impl.touched.empty() && impl.pins.empty() && !impl.follower && !attachments.contain( body );
+	const bool isInFlight = hasChanged && body.fracture().rule == BreakRule::Never && impl.touched.empty() && impl.pins.empty() &&
+		!impl.follower && !attachments.contain( body );
 	return isInFlight ? 0.5 * ( last + h ) / h : 1.0;
 }
 
