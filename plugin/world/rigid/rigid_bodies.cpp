@@ -258,6 +258,7 @@ void SoftBodySystem::accelerateRigid( btScalar h )
 		SoftBody::Impl& impl = body->impl();
 		impl.isImplicit = false;
 		impl.lastSubstep = double( h );
+		impl.gravityShare = 1.0; // Bullet moves it
 		fields.push( *body, gravityOf( *body ), double( h ) );
 		if ( !impl.body->rigidState()->isHeld )
 		{

@@ -16,7 +16,7 @@ int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<
 	// The user's number of substeps is per 1/60 s; a longer step gets proportionally more, so that behaviour does not depend on the frame
 	// rate.
 	const int nominal = int( std::ceil( double( substeps ) * gameStep / kNominalStep - 1e-3 ) );
-	const int usual = std::max( substeps, std::min( nominal, std::max( substeps, mostSubsteps( gameStep ) ) ) );
+	const int usual = std::max( substeps, std::min( nominal, mostSubsteps( gameStep ) ) );
 	m_choice.choose( m_bodies, m_world, gameStep, usual );
 	noteLandings( gameStep, usual, canSplit );
 	int count = listSubstepped( gameStep, usual );

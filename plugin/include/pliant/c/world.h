@@ -16,7 +16,7 @@ typedef struct pliant_world_settings
 	int32_t threads;           ///< 1 to 64. Default 1. Results do not depend on it.
 	pliant_vec3 gravity;       ///< m/s^2. Default ( 0, -9.81, 0 ).
 	int32_t soft_substeps;     ///< per step of 1/60 s, 1 to 64. Default 4.
-	int32_t max_soft_substeps; ///< that stiff materials may raise it to, 1 to 64. Default 16.
+	int32_t max_soft_substeps; ///< that stiff materials may raise it to, 1 to 64; of 16 and more: in steps to 1/15 s. Default 16.
 } pliant_world_settings;
 
 /// Where one step's time went, and what it met: pliant::StepReport.
