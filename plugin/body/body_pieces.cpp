@@ -257,6 +257,9 @@ std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, B
 	body->inheritNodes( *this, piece );
 	body->m_reviewIn = m_reviewIn;
 	body->m_sinceReview = m_sinceReview;
+	body->m_wasImplicit = m_wasImplicit;
+	body->m_numericalDamping = m_numericalDamping; // for the rest of the game step
+	body->m_rolling = m_rolling;
 	if ( m_energyDebt.timeLeft > 0.0f )
 	{
 		body->m_energyDebt = m_energyDebt.fraction( double( body->m_lattice->cellCount() ) / double( m_lattice->cellCount() ) );

@@ -208,6 +208,17 @@ TEST( Landings, ARigidBallReboundsFromASleepingCube )
 	EXPECT_NEAR( height, 0.21, 0.05 );
 }
 
+// Velocities that a game had set were unknown until the step after.
+TEST( Landings, AThrowInTheStepOfItsImpactIsFound )
+{
+	TestWorld t;
+	t.addPlane();
+	SoftBody* const cube = addCube( t, btScalar( 0.25 ) );
+	ASSERT_TRUE( cube->setVelocities( btVector3( 0, -5, 0 ), btVector3( 0, 0, 0 ) ).ok() );
+	t.run( 1 );
+	EXPECT_GT( t.world.stepReport().substeps, 1 );
+}
+
 TEST( Landings, BodiesThatRestSlideOrFlyTakeNoSubsteps )
 {
 	const btVector3 velocities[] = { btVector3( 0, 0, 0 ), btVector3( 3, 0, 0 ), btVector3( 5, 0, 0 ) };

@@ -328,6 +328,22 @@ TEST_P( RigidState, ShapeFollowsTheMaterial )
 	EXPECT_NEAR( ball->getWorldTransform().getOrigin().y(), 0.35, 0.03 );
 }
 
+// A body kept the share of gravity of the substep in which it became rigid, after steps of other lengths: .6 or 2.5 of it.
+TEST_P( RigidState, FallsByAllOfGravity )
+{
+	TestWorld t;
+	SoftBody* const body = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 50, 0 ), material( 1e6f ) );
+	ASSERT_TRUE( body->applyImpulse( btVector3( 0, 1, 0 ), 0 ).ok() );
+	btScalar velocity = body->linearVelocity().y();
+	for ( int step = 0; step < 60; ++step )
+	{
+		const btScalar length = btScalar( 1.0 / 60 ) / btScalar( step % 2 == 0 ? 1 : 4 );
+		t.world.stepSimulation( length, 0 );
+		velocity -= 10 * length;
+	}
+	EXPECT_NEAR( body->linearVelocity().y(), velocity, body->isRigid() ? 0.1 : 0.0 );
+}
+
 INSTANTIATE_TEST_SUITE_P( BothSteps, RigidState, ::testing::Values( Elasticity::Explicit, Elasticity::Implicit ),
 	[]( const auto& suite ) { return std::string( suite.param == Elasticity::Explicit ? "Explicit" : "Implicit" ); } );
 
