@@ -132,6 +132,8 @@ public:
 	void addEnergyDebtSince( const LevelEnergy& before );
 	void requestSplit( int node );
 	void keepNode( int node ); ///< excludes the node from merging
+	/// Does so for the nodes nearest to `node` that have the given mass together, kg, of which it splits the coarse ones.
+	void refineAround( int node, double mass );
 	void setFinestLevel( int level );
 	/// F of each node's region, 9 floats per node, row-major. Only for bodies with levels.
 	void nodeDeformations( float* gradients ) const;
@@ -148,6 +150,8 @@ public:
 	const Fracture& fracture() const { return m_fracture; }
 	/// Null for a body that cannot break.
 	const Breaking* breaking() const { return m_breaking.get(); }
+	/// The strain at which the weakest part of it breaks; infinity where nothing of it can break but crumbs.
+	double weakestBreakStrain() const;
 	/// Finds overstretched links; call after `integrate`. They are removed in the next `breakApart`.
 	void testLinks( float h );
 	/// Breaks the given links at any stretch: `links` ascending, without duplicates, all of them existing. Also for bodies that do not
@@ -348,8 +352,6 @@ private:
 	bool isBent( const StrainSize& strain ) const { return strain.largest > largestInvisibleStrain(); }
 	/// Whether its mean strain is invisible, and none is near to breaking it.
 	bool isHardlyStrained( const StrainSize& strain ) const;
-	/// The strain up to which a body that can break may be rigid; infinity where nothing of it can break but crumbs.
-	double rigidBreakStrain() const;
 	ImplicitMotion& madeImplicit();
 	const ConnectedParts* matchedParts() const;
 	void keepFiniteState();

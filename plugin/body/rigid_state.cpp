@@ -95,16 +95,16 @@ double Body::largestInvisibleVelocity() const
 	return largestInvisibleStrain() * speedOfSound();
 }
 
-double Body::rigidBreakStrain() const
+double Body::weakestBreakStrain() const
 {
 	const bool breaks = m_breaking && m_fracture.rule != BreakRule::Never && !( m_breaking->shards && m_breaking->shards->isOne() );
-	return breaks ? kRigidBreakFraction * double( m_breaking->limits.weakest * breakStrain( m_fracture, m_material ) )
-				  : std::numeric_limits<double>::infinity();
+	return breaks ? double( m_breaking->limits.weakest * breakStrain( m_fracture, m_material ) ) : std::numeric_limits<double>::infinity();
 }
 
 double Body::largestInvisibleStrain() const
 {
-	return isInelastic() ? std::numeric_limits<double>::infinity() : std::min( double( m_material.rigidStrain ), rigidBreakStrain() );
+	return isInelastic() ? std::numeric_limits<double>::infinity()
+						 : std::min( double( m_material.rigidStrain ), kRigidBreakFraction * weakestBreakStrain() );
 }
 
 // A vibration of velocity v strains a body by v / c, c its speed of sound.
@@ -165,7 +165,7 @@ Body::StrainSize Body::strainSize() const
 
 bool Body::isHardlyStrained( const StrainSize& strain ) const
 {
-	return strain.mean <= largestInvisibleStrain() && strain.ofBreakable <= rigidBreakStrain();
+	return strain.mean <= largestInvisibleStrain() && strain.ofBreakable <= kRigidBreakFraction * weakestBreakStrain();
 }
 
 // A body under a load that strains a part of it visibly, such as a shard in a heap, may be rigid while the load stays, if it is calm. So

@@ -7,6 +7,10 @@
 #include "matching/clusters/cluster_matcher.h"
 #include "matching/step/lattice_matcher.h"
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 namespace pliant {
 
 namespace {
@@ -115,6 +119,7 @@ bool Body::reviewLevels( float h )
 	m_reviewIn = m_wasImplicit ? 0 : kSubstepsBetweenReviews - 1; // an implicit substep is as long as several explicit ones
 	const bool hasChange = m_levels->review( m_nodes, m_levelMatcher->strain(), m_levelMatcher->stretch(), m_sinceReview );
 	m_sinceReview = 0.0f;
+	m_reviewIn = m_levels->isRefining() ? 0 : m_reviewIn;
 	return hasChange;
 }
 
@@ -170,6 +175,29 @@ void Body::keepNode( int node )
 	{
 		m_levels->keep( node );
 	}
+}
+
+void Body::refineAround( int node, double mass )
+{
+	if ( !m_levels )
+	{
+		return;
+	}
+	const Vec3 middle = m_nodes.x.get( node );
+	std::vector<std::pair<float, int>> byDistance; // squared
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		byDistance.emplace_back( ( m_nodes.x.get( i ) - middle ).squaredNorm(), i );
+	}
+	std::sort( byDistance.begin(), byDistance.end() );
+	double sum = 0.0;
+	for ( std::size_t k = 0; k < byDistance.size() && sum < mass; ++k )
+	{
+		const int near = byDistance[k].second;
+		sum += double( m_nodes.mass[near] );
+		m_levels->levelOf( near ) > 0 ? m_levels->requestFinest( near ) : m_levels->keep( near );
+	}
+	m_reviewIn = 0;
 }
 
 void Body::setFinestLevel( int level )

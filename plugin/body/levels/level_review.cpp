@@ -170,9 +170,28 @@ void Levels::collectSplits()
 	}
 	m_budget = m_budget == kNoBudget ? kNoBudget : budget;
 	std::sort( m_split.begin(), m_split.end() );
-	const auto isDone = [this]( std::uint32_t node ) { return std::binary_search( m_split.begin(), m_split.end(), node ); };
-	waiting.erase( std::remove_if( waiting.begin(), waiting.end(), isDone ), waiting.end() );
-	m_requested = std::move( waiting ); // without duplicates and only current nodes, as requests repeat
+	keepRequests( std::move( waiting ) );
+}
+
+// Without duplicates, and only current nodes and those under them, as requests repeat. `current`: requested nodes of the cut.
+void Levels::keepRequests( std::vector<std::uint32_t> current )
+{
+	std::sort( current.begin(), current.end() );
+	const auto isCurrent = [&current]( std::uint32_t node ) { return std::binary_search( current.begin(), current.end(), node ); };
+	const auto isDropped = [&]( std::uint32_t node ) {
+		if ( isCurrent( node ) )
+		{
+			return std::binary_search( m_split.begin(), m_split.end(), node );
+		}
+		std::uint32_t above = octree().parent[node];
+		while ( above != kNoNode && !isCurrent( above ) )
+		{
+			above = octree().parent[above];
+		}
+		return above == kNoNode;
+	};
+	m_requested.erase( std::unique( m_requested.begin(), m_requested.end() ), m_requested.end() );
+	m_requested.erase( std::remove_if( m_requested.begin(), m_requested.end(), isDropped ), m_requested.end() );
 }
 
 bool Levels::mayMerge( const NodeState& nodes, const Reviewed::Siblings& siblings ) const

@@ -68,6 +68,25 @@ void Levels::requestSplit( int node )
 	}
 }
 
+void Levels::requestFinest( int node )
+{
+	requestSplit( node );
+	std::vector<std::uint32_t> coarse = { m_cut.node[std::size_t( node )] };
+	while ( !coarse.empty() )
+	{
+		const std::uint32_t parent = coarse.back();
+		coarse.pop_back();
+		for ( std::uint32_t k = octree().childStart[parent]; k < octree().childStart[parent + 1]; ++k )
+		{
+			if ( octree().levelOf( octree().child[k] ) > m_finestLevel )
+			{
+				m_requested.push_back( octree().child[k] );
+				coarse.push_back( octree().child[k] );
+			}
+		}
+	}
+}
+
 void Levels::pin( int node )
 {
 	m_pinnedLevel.resize( std::size_t( m_lattice->cellCount() ), 0 );

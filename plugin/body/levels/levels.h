@@ -95,6 +95,8 @@ public:
 
 	/// Requests a node to be split at the next change; a node on the finest level is not merged for Adaptivity::mergeDelay.
 	void requestSplit( int node );
+	/// The same down to the finest level, however many changes that takes.
+	void requestFinest( int node );
 	/// Keeps a node from being merged, as requestSplit does, without a split.
 	void keep( int node )
 	{
@@ -121,6 +123,8 @@ public:
 	void openBudget() { m_budget = m_settings.nodesPerStep; }
 	/// Whether changes are postponed because of the budget.
 	bool hasBacklog() const { return m_hasBacklog; }
+	/// Whether nodes that `requestFinest` splits wait for nothing but the next change.
+	bool isRefining() const { return !m_requested.empty() && !m_hasBacklog; }
 
 	/// Evaluates the strains and stretches last measured; `seconds` since the last review. Returns true when there is something to change.
 	bool review( const NodeState& nodes, const AlignedArray<float>& strain, const AlignedArray<float>& stretch, float seconds );
@@ -154,6 +158,7 @@ private:
 	void measureLoads( const AlignedArray<float>& strain, const AlignedArray<float>& stretch );
 	std::vector<std::uint8_t> strainedNodes() const;
 	void collectSplits();
+	void keepRequests( std::vector<std::uint32_t> current );
 	void collectMerges( const NodeState& nodes );
 	bool isPinnedAsOne( std::uint32_t node ) const;
 	/// A change for a few nodes costs nearly as much as one for many, and bodies come to rest node by node: merges wait for more, for a
@@ -252,7 +257,7 @@ private:
 	std::vector<std::uint8_t> m_wasRequested;               ///< of each node: 1 where it was requested since the last review
 	Reviewed m_reviewed;
 	std::vector<std::uint32_t> m_split, m_merge; ///< octree nodes, found by the last review
-	std::vector<std::uint32_t> m_requested;      ///< octree nodes
+	std::vector<std::uint32_t> m_requested;      ///< octree nodes, of the cut or under requested ones
 	int m_budget = kNoBudget;                    ///< number of nodes that changes may still add
 	bool m_hasBacklog = false;
 	bool m_skipsRows = false;

@@ -23,6 +23,7 @@ void Levels::archiveTables( Archive& ) {}
 
 void Levels::fillNodes( NodeState&, float ) const {}
 void Levels::requestSplit( int ) {}
+void Levels::requestFinest( int ) {}
 void Levels::pin( int ) {}
 
 bool Levels::review( const NodeState&, const AlignedArray<float>&, const AlignedArray<float>&, float )

@@ -28,10 +28,10 @@ btScalar meanSpeedOf( const SoftBody& body )
 class Approach
 {
 public:
-	/// `reach`: s, how far ahead.
-	Approach( const SoftBody& soft, const btCollisionObject& other, btScalar reach ) :
+	/// `reach`: s, how far ahead. `isLanding`: nothing counts once they touch; otherwise only the nodes that touch do not.
+	Approach( const SoftBody& soft, const btCollisionObject& other, btScalar reach, bool isLanding ) :
 		m_nodes( soft.impl().body->nodes() ), m_shape( *soft.impl().shape ), m_at( soft.getWorldTransform().getOrigin() ),
-		m_motion( motionOf( other ) ), m_reach( reach )
+		m_motion( motionOf( other ) ), m_reach( reach ), m_isLanding( isLanding )
 	{
 		const btScalar speed = meanSpeedOf( soft ) + fastest( other, m_motion );
 		m_margin = m_reach * speed + btScalar( m_shape.largestRadius() );
@@ -67,8 +67,9 @@ public:
 			} );
 		} );
 	}
-	/// The fastest approach at a point where they will meet, m/s; 0 where they touch already.
-	double fastestLanding() const { return m_touches ? 0.0 : m_most; }
+	/// The fastest approach at a point where they will meet, m/s, and the node of that point; 0 and -1 where there is none.
+	double fastestApproach() const { return m_isLanding && m_touches ? 0.0 : m_most; }
+	int fastestNode() const { return m_node; }
 
 private:
 	/// Calls visit( sphere, node ) for the nodes within reach of a box, relative to the body's position.
@@ -77,7 +78,7 @@ private:
 	{
 		const btVector3 margin( m_margin, m_margin, m_margin );
 		m_shape.rows().visitOverlaps( SphereRows::Box::of( low - margin, high + margin ), [&]( int node ) {
-			if ( !m_touches )
+			if ( !m_isLanding || !m_touches )
 			{
 				MovingSphere sphere;
 				sphere.centre = m_nodes.x.get( node ).cast<double>();
@@ -138,8 +139,13 @@ private:
 	void add( const MovingSphere& sphere, int node, const Vec3d& velocity, const Touch& touch )
 	{
 		const double approach = -( m_nodes.v.get( node ).cast<double>() - velocity ).dot( touch.normal );
-		m_touches = m_touches || touch.distance <= sphere.touchDistance();
-		m_most = touch.distance - sphere.radius <= approach * double( m_reach ) ? std::max( m_most, approach ) : m_most;
+		const bool isTouch = touch.distance <= sphere.touchDistance();
+		m_touches = m_touches || isTouch;
+		if ( !isTouch && approach > m_most && touch.distance - sphere.radius <= approach * double( m_reach ) )
+		{
+			m_most = approach;
+			m_node = node;
+		}
 	}
 
 	const NodeState& m_nodes;
@@ -147,9 +153,27 @@ private:
 	btVector3 m_at;
 	ObjectMotion m_motion;
 	btScalar m_reach, m_margin = btScalar( 0 );
-	bool m_touches = false;
+	bool m_isLanding, m_touches = false;
 	double m_most = 0.0;
+	int m_node = -1;
 };
+
+Approach approachOf( const SoftBody& body, const btCollisionObject& other, btScalar gameStep, bool isLanding )
+{
+	Approach approach( body, other, btScalar( kLandingSteps ) * gameStep, isLanding );
+	const SoftBody* const soft = SoftBody::upcast( &other );
+	soft && !soft->impl().rigidProxy ? approach.addSoft( *soft ) : approach.addRigid( other );
+	return approach;
+}
+
+/// The velocity from which on an impact may break a body that has coarse nodes, m/s; infinity where none may. A wave of the velocity v
+/// strains the body by v / c.
+double leastBreaking( const SoftBody& body )
+{
+	const Body& core = *body.impl().body;
+	const bool canMove = body.isHealthy() && !body.isStaticOrKinematicObject() && !body.impl().rigidProxy;
+	return canMove && core.levels() ? core.weakestBreakStrain() * soundVelocity( body ) : SIMD_INFINITY;
+}
 
 btScalar speedOf( const btCollisionObject& object )
 {
@@ -221,13 +245,29 @@ void SoftBodySystem::noteLanding( SoftBody& body, btCollisionObject& other, btSc
 	// The energy m v^2 / 2 of a light object deforms less of the body, that of a heavy one more.
 	const double mass = double( massOf( other ) ), root = std::sqrt( mass / body.impl().mass );
 	const double least = std::min( 1.0, root ), most = mass == SIMD_INFINITY ? 1.0 : std::max( 1.0, root );
-	Approach approach( body, other, btScalar( kLandingSteps ) * gameStep );
-	const SoftBody* const soft = SoftBody::upcast( &other );
-	soft && !soft->impl().rigidProxy ? approach.addSoft( *soft ) : approach.addRigid( other );
-	const double velocity = approach.fastestLanding();
+	const double velocity = approachOf( body, other, gameStep, true ).fastestApproach();
 	if ( least * velocity > slowest && most * velocity < kMostLandingStrain * soundVelocity( body ) )
 	{
 		state.landingTime = duration + kLandingSteps * double( gameStep );
+		body.activate();
+	}
+}
+
+/// Splits the coarse nodes that an impact may break before it begins: they would notice its strain too late. The energy of an impact,
+/// mu v^2 / 2 with the reduced mass mu, strains at most the mass M = mu ( v / ( c e ) )^2 by the strain e.
+void SoftBodySystem::noteBreaking( SoftBody& body, btCollisionObject& other, btScalar gameStep )
+{
+	const double slowest = leastBreaking( body );
+	if ( slowest == SIMD_INFINITY || !mayTouch( body, other ) )
+	{
+		return;
+	}
+	const Approach approach = approachOf( body, other, gameStep, false );
+	const double velocity = approach.fastestApproach();
+	if ( velocity > slowest )
+	{
+		const double own = body.impl().mass, ratio = velocity / slowest;
+		body.impl().body->refineAround( approach.fastestNode(), own / ( 1.0 + own / double( massOf( other ) ) ) * ratio * ratio );
 		body.activate();
 	}
 }
@@ -246,7 +286,7 @@ void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
 		state.rolling = slowest < SIMD_INFINITY ? rolling : 0.0;
 		// What wobble damping leaves of a vibration may break links.
 		body->impl().body->rollFreely( body->fracture().rule == BreakRule::Never ? rolling : 0.0 );
-		least = std::min( least, slowest );
+		least = std::min( { least, slowest, leastBreaking( *body ) } );
 	}
 	if ( least == SIMD_INFINITY )
 	{
@@ -264,10 +304,12 @@ void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
 		if ( SoftBody* const body = asSoftBody( &fast ) )
 		{
 			noteLanding( *body, other, gameStep, usual );
+			noteBreaking( *body, other, gameStep );
 		}
 		if ( SoftBody* const body = asSoftBody( &other ) )
 		{
 			noteLanding( *body, fast, gameStep, usual );
+			noteBreaking( *body, fast, gameStep );
 		}
 	} );
 }

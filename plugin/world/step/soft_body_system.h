@@ -239,6 +239,7 @@ private:
 	void countIslandBodies();
 	bool isSmallImpact( const btCollisionObject& a, const btCollisionObject& b ) const;
 	void noteLanding( SoftBody& body, btCollisionObject& other, btScalar gameStep, int usual );
+	void noteBreaking( SoftBody& body, btCollisionObject& other, btScalar gameStep );
 	int listSubstepped( btScalar gameStep, int usual );
 	int mostSubsteps( btScalar gameStep ) const;
 	bool isGroupTooLarge( const SubstepGroup::Scene& scene, int count ) const;
