@@ -71,7 +71,7 @@ public:
 		order.adaptivity.refineStrain = 1.0f;  // half of the breaking stretch, as for every body that breaks
 		order.adaptivity.mergeFraction = 0.9f; // they lie under each other's weight
 		order.fracture.rule = pliant::BreakRule::Plane;
-		order.fracture.breakStrain = 0.75f; // some lose a limb; nodes are split at half of it
+		order.fracture.breakStrain = 2.0f; // they fall at .9 of the velocity of sound: some lose a limb
 		order.friction = btScalar( 0.6 );
 		order.shape = stage.buildShape( order );
 		if ( order.shape == nullptr )
