@@ -161,7 +161,7 @@ void expectRolling( bool isOnSlab, std::initializer_list<std::pair<float, double
 // impact.
 TEST( DefaultBall, RollsOn )
 {
-	expectRolling( false, { { 0.4f, 0.95 }, { 0.1f, 0.96 }, { 0.05f, 0.93 } } );
+	expectRolling( false, { { 0.4f, 0.95 }, { 0.1f, 0.96 }, { 0.05f, 0.95 }, { 0.025f, 0.95 } } );
 }
 
 // Within half a second it stood. Nodes of the ball, which are smaller than those of the slab, touched it with all of the sphere that fits
