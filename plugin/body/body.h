@@ -392,6 +392,9 @@ private:
 	double m_originLimit = 4.0; ///< m; the origin follows when node 0 is farther away than this
 };
 
+/// Whether an object of the given length, m, that turns at `turn`, rad/s, does so about an axis across `up`, from 0 (it rocks) to 1.
+double turnFreedom( const Vec3d& turn, const Vec3d& up, double length );
+
 /// Checks lattice, octree and cut; the message names the first violation.
 Status validate( const Body& body );
 

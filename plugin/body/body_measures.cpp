@@ -60,8 +60,12 @@ double Body::turnFreedom( const Vec3d& up ) const
 	{
 		return 0.0;
 	}
-	const Vec3d turn = angularVelocity();
-	const double measure = ( turn - turn.dot( up ) * up ).squaredNorm() * m_restLength / kStandardGravity;
+	return pliant::turnFreedom( angularVelocity(), up, m_restLength );
+}
+
+double turnFreedom( const Vec3d& turn, const Vec3d& up, double length )
+{
+	const double measure = ( turn - turn.dot( up ) * up ).squaredNorm() * length / kStandardGravity;
 	const double above = std::clamp( ( measure - kRockingTurn ) / ( kFreeTurn - kRockingTurn ), 0.0, 1.0 );
 	return above * above * ( 3.0 - 2.0 * above ); // smooth at both ends
 }

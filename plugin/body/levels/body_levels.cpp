@@ -183,6 +183,19 @@ void Body::refineAround( int node, double mass )
 	{
 		return;
 	}
+	const auto refine = [this]( int near ) {
+		const bool isCoarse = m_levels->levelOf( near ) > 0;
+		isCoarse ? m_levels->requestFinest( near ) : m_levels->keep( near );
+		m_reviewIn = isCoarse ? 0 : m_reviewIn;
+	};
+	if ( mass >= m_motion.mass )
+	{
+		for ( int i = 0; i < m_nodes.count; ++i )
+		{
+			refine( i );
+		}
+		return;
+	}
 	const Vec3 middle = m_nodes.x.get( node );
 	std::vector<std::pair<float, int>> byDistance; // squared
 	for ( int i = 0; i < m_nodes.count; ++i )
@@ -193,11 +206,9 @@ void Body::refineAround( int node, double mass )
 	double sum = 0.0;
 	for ( std::size_t k = 0; k < byDistance.size() && sum < mass; ++k )
 	{
-		const int near = byDistance[k].second;
-		sum += double( m_nodes.mass[near] );
-		m_levels->levelOf( near ) > 0 ? m_levels->requestFinest( near ) : m_levels->keep( near );
+		sum += double( m_nodes.mass[byDistance[k].second] );
+		refine( byDistance[k].second );
 	}
-	m_reviewIn = 0;
 }
 
 void Body::setFinestLevel( int level )

@@ -128,6 +128,7 @@ void Levels::inherit( const Levels& whole, const std::vector<std::uint32_t>& cel
 		if ( isRequested[before] != 0 )
 		{
 			m_requested.push_back( m_cut.node[i] );
+			isRequested[before] > 1 ? requestUnder( m_cut.node[i] ) : void();
 		}
 	}
 	if ( !whole.m_pinnedLevel.empty() )
@@ -140,14 +141,17 @@ void Levels::inherit( const Levels& whole, const std::vector<std::uint32_t>& cel
 	}
 }
 
+/// Of each node: 1 where it is requested, 2 where those under it are too.
 std::vector<std::uint8_t> Levels::requestedNodes() const
 {
 	std::vector<std::uint32_t> requested( m_requested );
 	std::sort( requested.begin(), requested.end() );
+	const auto contains = [&requested]( std::uint32_t node ) { return std::binary_search( requested.begin(), requested.end(), node ); };
 	std::vector<std::uint8_t> isRequested;
 	for ( const std::uint32_t node : m_cut.node )
 	{
-		isRequested.push_back( std::binary_search( requested.begin(), requested.end(), node ) ? 1 : 0 );
+		const auto first = octree().child.begin() + octree().childStart[node], end = octree().child.begin() + octree().childStart[node + 1];
+		isRequested.push_back( !contains( node ) ? 0 : std::any_of( first, end, contains ) ? 2 : 1 );
 	}
 	return isRequested;
 }
@@ -184,7 +188,7 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 	m_scratch.quiet.clear();
 	const std::vector<std::uint8_t> isRequested = requestedNodes();
 	std::vector<std::uint8_t> wasRequested;
-	std::vector<std::uint32_t> requested;
+	std::vector<std::uint32_t> requested, deeper;
 	for ( std::size_t i = 0; i < piece.nodes.before.size(); ++i )
 	{
 		const std::uint32_t before = piece.nodes.before[i];
@@ -193,6 +197,7 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 		if ( isRequested[before] != 0 )
 		{
 			requested.push_back( piece.cut.node[i] );
+			isRequested[before] > 1 ? deeper.push_back( piece.cut.node[i] ) : void();
 		}
 	}
 	m_quiet.swap( m_scratch.quiet );
@@ -208,6 +213,7 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 	m_stiffness = &settings.stiffness;
 	m_cut = std::move( piece.cut );
 	countLevels();
+	std::for_each( deeper.begin(), deeper.end(), [this]( std::uint32_t node ) { requestUnder( node ); } );
 	// Pending changes refer to nodes of the previous octree; the next review finds them again.
 	m_change = {};
 	m_split.clear();

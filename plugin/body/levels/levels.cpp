@@ -71,7 +71,13 @@ void Levels::requestSplit( int node )
 void Levels::requestFinest( int node )
 {
 	requestSplit( node );
-	std::vector<std::uint32_t> coarse = { m_cut.node[std::size_t( node )] };
+	requestUnder( m_cut.node[std::size_t( node )] );
+}
+
+/// Requests all coarse nodes under a node of the octree.
+void Levels::requestUnder( std::uint32_t node )
+{
+	std::vector<std::uint32_t> coarse = { node };
 	while ( !coarse.empty() )
 	{
 		const std::uint32_t parent = coarse.back();

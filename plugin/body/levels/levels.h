@@ -196,6 +196,7 @@ private:
 	void findReviewed();
 	bool mayMerge( const NodeState& nodes, const Reviewed::Siblings& siblings ) const;
 	/// Of each node: 1 where a split was requested.
+	void requestUnder( std::uint32_t node );
 	std::vector<std::uint8_t> requestedNodes() const;
 	void planScratch();
 	void prepareScratch();

@@ -33,6 +33,7 @@ void Levels::archive( Archive& archive )
 	archive( m_pinnedLevel, requested );
 	archive.require( ( m_pinnedLevel.empty() || m_pinnedLevel.size() == cells ) && m_finestLevel >= 0 && m_finestLevel <= kMaxCoarseLevels,
 		"The levels of detail are those of another body." );
+	archive.require( requested.empty() || requested.back() < std::uint32_t( octree().nodeCount() ), "A requested node does not exist." );
 	if ( archive.isReading() )
 	{
 		m_requested = std::move( requested );

@@ -174,10 +174,8 @@ Status SoftBody::applyImpulse( const btVector3& impulse, int node )
 		NodeState& nodes = m_impl->body->nodes();
 		const Vec3 velocity = nodes.v.get( node ) + ( nodes.freedom[node] / nodes.mass[node] ) * toVec3( impulse );
 		checkVelocity( velocity, "applyImpulse", isFinite( impulse ) );
-		m_impl->meanSquareSpeed += double( nodes.mass[node] * ( velocity.squaredNorm() - nodes.v.get( node ).squaredNorm() ) ) /
-			m_impl->mass;
 		nodes.v.set( node, velocity );
-		m_impl->body->followVelocities();
+		m_impl->followVelocities();
 		m_impl->mustDeform = m_impl->mustDeform || m_impl->rigidProxy;
 		activate( true );
 	} );

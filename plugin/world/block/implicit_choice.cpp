@@ -94,8 +94,10 @@ ImplicitStepPlan planImplicitStep( const SoftBody& body, double gameStep, int us
 		// Whether a link breaks depends on the largest strain within the impact.
 		const bool isWhole = travel <= kResolvedTravel && body.fracture().rule == BreakRule::Never;
 		plan.parts = std::max( plan.parts, isWhole ? 1 : usual );
-		const double rolled = std::sqrt( body.impl().meanSquareSpeed ) * gameStep / double( body.impl().body->lattice().cellSize ); // cells
-		plan.parts = std::max( plan.parts, rolling > 0.0 ? int( std::ceil( rolled / kRolledCells ) ) : 1 );
+		const double spacing = sizeOf( body ) / std::cbrt( double( body.nodeCount() ) ),
+					 travelled = std::sqrt( body.impl().meanSquareSpeed ) * gameStep / spacing;
+		const double rolled = std::min( travelled / kRolledCells, kMostRollingSubsteps * usual );
+		plan.parts = std::max( plan.parts, int( std::ceil( rolling * rolled ) ) );
 		// The strain of a rolling body is at rest in space and turns in its material, which numerical damping takes for a vibration.
 		const double resolved = lands ? resolvedFraction( body, gameStep / plan.parts ) : 0.0;
 		plan.numericalDamping *= float( ( 1.0 - resolved ) * ( 1.0 - rolling ) );

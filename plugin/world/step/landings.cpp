@@ -1,5 +1,5 @@
-// Landings: impacts that will deform an implicit body, found before they begin, so that it takes the substeps that resolve them in time.
-// docs/design/implicit.md, "Landings".
+// Impacts, found before they begin: those that will deform an implicit body, so that it takes the substeps that resolve them in time, and
+// those that may break a body on levels, which is split before. docs/design/implicit.md, "Landings"; docs/design/fracture.md, "Impacts".
 
 #include "world/block/implicit_choice.h"
 #include "world/bodies/obstacle_parts.h"
@@ -28,10 +28,11 @@ btScalar meanSpeedOf( const SoftBody& body )
 class Approach
 {
 public:
-	/// `reach`: s, how far ahead. `isLanding`: nothing counts once they touch; otherwise only the nodes that touch do not.
+	/// `reach`: s, how far ahead. `isLanding`: nothing counts once they touch; otherwise nodes that touch do not, and the others are as
+	/// fast as the centre of mass at most: those of a rolling body meet the ground without an impact.
 	Approach( const SoftBody& soft, const btCollisionObject& other, btScalar reach, bool isLanding ) :
 		m_nodes( soft.impl().body->nodes() ), m_shape( *soft.impl().shape ), m_at( soft.getWorldTransform().getOrigin() ),
-		m_motion( motionOf( other ) ), m_reach( reach ), m_isLanding( isLanding )
+		m_motion( motionOf( other ) ), m_velocity( toVec3d( motionOf( soft ).velocity ) ), m_reach( reach ), m_isLanding( isLanding )
 	{
 		const btScalar speed = meanSpeedOf( soft ) + fastest( other, m_motion );
 		m_margin = m_reach * speed + btScalar( m_shape.largestRadius() );
@@ -68,7 +69,7 @@ public:
 		} );
 	}
 	/// The fastest approach at a point where they will meet, m/s, and the node of that point; 0 and -1 where there is none.
-	double fastestApproach() const { return m_isLanding && m_touches ? 0.0 : m_most; }
+	double fastestApproach() const { return !m_touches ? m_most : m_isLanding ? 0.0 : std::min( m_most, m_mostOfCentre ); }
 	int fastestNode() const { return m_node; }
 
 private:
@@ -144,6 +145,7 @@ private:
 		if ( !isTouch && approach > m_most && touch.distance - sphere.radius <= approach * double( m_reach ) )
 		{
 			m_most = approach;
+			m_mostOfCentre = -( m_velocity - velocity ).dot( touch.normal );
 			m_node = node;
 		}
 	}
@@ -152,9 +154,10 @@ private:
 	const NodeShape& m_shape;
 	btVector3 m_at;
 	ObjectMotion m_motion;
+	Vec3d m_velocity;
 	btScalar m_reach, m_margin = btScalar( 0 );
 	bool m_isLanding, m_touches = false;
-	double m_most = 0.0;
+	double m_most = 0.0, m_mostOfCentre = 0.0;
 	int m_node = -1;
 };
 
@@ -171,8 +174,9 @@ Approach approachOf( const SoftBody& body, const btCollisionObject& other, btSca
 double leastBreaking( const SoftBody& body )
 {
 	const Body& core = *body.impl().body;
-	const bool canMove = body.isHealthy() && !body.isStaticOrKinematicObject() && !body.impl().rigidProxy;
-	return canMove && core.levels() ? core.weakestBreakStrain() * soundVelocity( body ) : SIMD_INFINITY;
+	const bool canMove = body.isHealthy() && !body.isStaticOrKinematicObject() && body.getActivationState() != DISABLE_SIMULATION;
+	const bool canRefine = core.levels() && !body.impl().rigidProxy && body.material().stiffness == Stiffness::YoungsModulus;
+	return canMove && canRefine ? std::min( core.weakestBreakStrain() * soundVelocity( body ), double( SIMD_INFINITY ) ) : SIMD_INFINITY;
 }
 
 btScalar speedOf( const btCollisionObject& object )
@@ -183,6 +187,12 @@ btScalar speedOf( const btCollisionObject& object )
 	}
 	const SoftBody* const soft = SoftBody::upcast( &object );
 	return soft ? meanSpeedOf( *soft ) : fastest( object, motionOf( object ) );
+}
+
+bool isRound( const btCollisionShape& shape )
+{
+	const int type = shape.getShapeType();
+	return type == SPHERE_SHAPE_PROXYTYPE || type == CYLINDER_SHAPE_PROXYTYPE;
 }
 
 } // namespace
@@ -210,6 +220,32 @@ double SoftBodySystem::rollingOf( const SoftBody& body ) const
 	}
 	const double freedom = body.impl().body->turnFreedom( toVec3d( -gravity.normalized() ) );
 	return freedom > 0.0 && attachments.contain( body ) ? 0.0 : freedom;
+}
+
+/// Where balls and wheels roll on a deformable body, its strain moves through it as that of a rolling body does.
+void SoftBodySystem::noteRolledOn( double gameStep, int usual )
+{
+	btDispatcher& dispatcher = *m_world.getDispatcher();
+	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
+	{
+		const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal( m );
+		for ( int side = 0; side < 2 && manifold.getNumContacts() > 0; ++side )
+		{
+			SoftBody* const body = ownerOfContactProxy( side == 0 ? manifold.getBody0() : manifold.getBody1() );
+			const btCollisionObject& other = *( side == 0 ? manifold.getBody1() : manifold.getBody0() );
+			if ( body && isRound( *other.getCollisionShape() ) && other.isActive() && massOf( other ) < SIMD_INFINITY &&
+				!gravityOf( *body ).isZero() && body->impl().elasticity.landingTime == 0.0 &&
+				leastLanding( *body, gameStep, usual ) < SIMD_INFINITY )
+			{
+				btVector3 middle;
+				btScalar radius;
+				other.getCollisionShape()->getBoundingSphere( middle, radius );
+				double& rolling = body->impl().elasticity.rolling;
+				const Vec3d turn = toVec3d( motionOf( other ).angularVelocity ), up = toVec3d( -gravityOf( *body ).normalized() );
+				rolling = std::max( rolling, turnFreedom( turn, up, 2.0 * double( radius ) ) );
+			}
+		}
+	}
 }
 
 void SoftBodySystem::countIslandBodies()
@@ -292,6 +328,7 @@ void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
 	{
 		return;
 	}
+	noteRolledOn( double( gameStep ), usual );
 	countIslandBodies();
 	for ( SoftBody* body : m_bodies )
 	{

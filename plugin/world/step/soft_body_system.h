@@ -236,6 +236,7 @@ private:
 	double leastLanding( const SoftBody& body, double gameStep, int usual ) const;
 	double rollingOf( const SoftBody& body ) const;
 	void noteLandings( btScalar gameStep, int usual, bool canSplit );
+	void noteRolledOn( double gameStep, int usual );
 	void countIslandBodies();
 	bool isSmallImpact( const btCollisionObject& a, const btCollisionObject& b ) const;
 	void noteLanding( SoftBody& body, btCollisionObject& other, btScalar gameStep, int usual );
