@@ -38,6 +38,7 @@ inline void buildSmallWorld( TestWorld& world )
 	static_cast<void>( world.world.attach( *world.soft[1], btVector3( 0, 0.2f, 0 ), *ball ) );
 	static_cast<void>( world.soft[2]->pinNodeToBody( 0, ball ) );
 	world.run( 6 );
+	world.soft[3]->requestRefinement( btVector3( -9, -9, -9 ), btVector3( 9, 9, 9 ) ); // waits for the next step
 }
 
 /// A character's ghost among the bodies, with contacts in its own pairs.

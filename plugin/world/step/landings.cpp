@@ -32,7 +32,8 @@ public:
 	/// fast as the centre of mass at most: those of a rolling body meet the ground without an impact.
 	Approach( const SoftBody& soft, const btCollisionObject& other, btScalar reach, bool isLanding ) :
 		m_nodes( soft.impl().body->nodes() ), m_shape( *soft.impl().shape ), m_at( soft.getWorldTransform().getOrigin() ),
-		m_motion( motionOf( other ) ), m_velocity( toVec3d( motionOf( soft ).velocity ) ), m_reach( reach ), m_isLanding( isLanding )
+		m_motion( motionOf( other ) ), m_velocity( isLanding ? Vec3d( Vec3d::Zero() ) : toVec3d( motionOf( soft ).velocity ) ),
+		m_reach( reach ), m_isLanding( isLanding )
 	{
 		const btScalar speed = meanSpeedOf( soft ) + fastest( other, m_motion );
 		m_margin = m_reach * speed + btScalar( m_shape.largestRadius() );
@@ -154,7 +155,7 @@ private:
 	const NodeShape& m_shape;
 	btVector3 m_at;
 	ObjectMotion m_motion;
-	Vec3d m_velocity;
+	Vec3d m_velocity; ///< of the body's centre of mass, unless only landings are sought
 	btScalar m_reach, m_margin = btScalar( 0 );
 	bool m_isLanding, m_touches = false;
 	double m_most = 0.0, m_mostOfCentre = 0.0;
