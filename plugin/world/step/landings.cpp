@@ -9,6 +9,7 @@
 #include "world/step_constants.h"
 #include "world/touch/node_touch.h"
 
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
 
 #include <algorithm>
@@ -190,11 +191,22 @@ btScalar speedOf( const btCollisionObject& object )
 	return soft ? meanSpeedOf( *soft ) : fastest( object, motionOf( object ) );
 }
 
-bool isRound( const btCollisionShape& shape )
+/// The balls and wheels in a box that something can move and that do not sleep.
+struct RoundObjects : btBroadphaseAabbCallback
 {
-	const int type = shape.getShapeType();
-	return type == SPHERE_SHAPE_PROXYTYPE || type == CYLINDER_SHAPE_PROXYTYPE;
-}
+	std::vector<btBroadphaseProxy*> found;
+	bool process( const btBroadphaseProxy* proxy ) override
+	{
+		const auto& object = *static_cast<const btCollisionObject*>( proxy->m_clientObject );
+		const int type = object.getCollisionShape()->getShapeType();
+		const bool isRound = type == SPHERE_SHAPE_PROXYTYPE || type == CYLINDER_SHAPE_PROXYTYPE;
+		if ( isRound && object.isActive() && massOf( object ) < SIMD_INFINITY )
+		{
+			found.push_back( const_cast<btBroadphaseProxy*>( proxy ) );
+		}
+		return true;
+	}
+};
 
 } // namespace
 
@@ -223,30 +235,36 @@ double SoftBodySystem::rollingOf( const SoftBody& body ) const
 	return freedom > 0.0 && attachments.contain( body ) ? 0.0 : freedom;
 }
 
-/// Where balls and wheels roll on a deformable body, its strain moves through it as that of a rolling body does.
-void SoftBodySystem::noteRolledOn( double gameStep, int usual )
+/// How freely a ball or a wheel that touches a body turns, from 0 to 1: where it rolls on the body, strain moves through that as through a
+/// body that rolls.
+double SoftBodySystem::rollingOn( const SoftBody& body ) const
 {
-	btDispatcher& dispatcher = *m_world.getDispatcher();
-	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
+	const btVector3 gravity = gravityOf( body );
+	btBroadphaseProxy* const own = const_cast<btBroadphaseProxy*>( body.getBroadphaseHandle() );
+	if ( body.impl().touched.empty() || gravity.isZero() || !own )
 	{
-		const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal( m );
-		for ( int side = 0; side < 2 && manifold.getNumContacts() > 0; ++side )
+		return 0.0;
+	}
+	RoundObjects round;
+	m_world.getBroadphase()->aabbTest( own->m_aabbMin, own->m_aabbMax, round );
+	double most = 0.0;
+	for ( btBroadphaseProxy* const proxy : round.found )
+	{
+		const auto& object = *static_cast<const btCollisionObject*>( proxy->m_clientObject );
+		btVector3 middle;
+		btScalar radius;
+		object.getCollisionShape()->getBoundingSphere( middle, radius );
+		const double turn = turnFreedom(
+			toVec3d( motionOf( object ).angularVelocity ), toVec3d( -gravity.normalized() ), 2.0 * double( radius ) );
+		const btBroadphasePair* const pair = turn > most ? m_world.getPairCache()->findPair( own, proxy ) : nullptr;
+		btManifoldArray manifolds;
+		pair && pair->m_algorithm ? pair->m_algorithm->getAllContactManifolds( manifolds ) : void();
+		for ( int k = 0; k < manifolds.size(); ++k )
 		{
-			SoftBody* const body = ownerOfContactProxy( side == 0 ? manifold.getBody0() : manifold.getBody1() );
-			const btCollisionObject& other = *( side == 0 ? manifold.getBody1() : manifold.getBody0() );
-			if ( body && isRound( *other.getCollisionShape() ) && other.isActive() && massOf( other ) < SIMD_INFINITY &&
-				!gravityOf( *body ).isZero() && body->impl().elasticity.landingTime == 0.0 &&
-				leastLanding( *body, gameStep, usual ) < SIMD_INFINITY )
-			{
-				btVector3 middle;
-				btScalar radius;
-				other.getCollisionShape()->getBoundingSphere( middle, radius );
-				double& rolling = body->impl().elasticity.rolling;
-				const Vec3d turn = toVec3d( motionOf( other ).angularVelocity ), up = toVec3d( -gravityOf( *body ).normalized() );
-				rolling = std::max( rolling, turnFreedom( turn, up, 2.0 * double( radius ) ) );
-			}
+			most = manifolds[k]->getNumContacts() > 0 ? turn : most;
 		}
 	}
+	return most;
 }
 
 void SoftBodySystem::countIslandBodies()
@@ -320,7 +338,8 @@ void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
 		ElasticityState& state = body->impl().elasticity;
 		state.landingTime = slowest < SIMD_INFINITY ? std::max( 0.0, state.landingTime - double( gameStep ) ) : 0.0;
 		const double rolling = state.landingTime == 0.0 ? rollingOf( *body ) : 0.0;
-		state.rolling = slowest < SIMD_INFINITY ? rolling : 0.0;
+		const bool maySubstep = slowest < SIMD_INFINITY && state.landingTime == 0.0;
+		state.rolling = maySubstep ? std::max( rolling, rollingOn( *body ) ) : 0.0;
 		// What wobble damping leaves of a vibration may break links.
 		body->impl().body->rollFreely( body->fracture().rule == BreakRule::Never ? rolling : 0.0 );
 		least = std::min( { least, slowest, leastBreaking( *body ) } );
@@ -329,7 +348,6 @@ void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
 	{
 		return;
 	}
-	noteRolledOn( double( gameStep ), usual );
 	countIslandBodies();
 	for ( SoftBody* body : m_bodies )
 	{

@@ -235,8 +235,8 @@ private:
 	void settlePins( SoftBody& body, btScalar h, int substep );
 	double leastLanding( const SoftBody& body, double gameStep, int usual ) const;
 	double rollingOf( const SoftBody& body ) const;
+	double rollingOn( const SoftBody& body ) const;
 	void noteLandings( btScalar gameStep, int usual, bool canSplit );
-	void noteRolledOn( double gameStep, int usual );
 	void countIslandBodies();
 	bool isSmallImpact( const btCollisionObject& a, const btCollisionObject& b ) const;
 	void noteLanding( SoftBody& body, btCollisionObject& other, btScalar gameStep, int usual );
