@@ -12,9 +12,9 @@ inline constexpr double kResolvedTravel = 0.25;
 inline constexpr double kLandingStrain = 0.03, kMostLandingStrain = 1.0, kLandingFall = 0.1;
 /// It is found so many game steps ahead, and over after so many crossings of sound.
 inline constexpr double kLandingSteps = 2.0, kLandingCrossings = 4.0;
-/// A rolling body moves by at most so many distances of its nodes in a substep, in which they change their turns at the ground, as far as
-/// that takes no more than this multiple of the usual substeps: all that take substeps take as many.
-inline constexpr double kRolledCells = 0.3, kMostRollingSubsteps = 2.0;
+/// A rolling body moves by at most this fraction of the spacing of its nodes in a substep, since other nodes touch the ground in each; but
+/// for that it takes at most this multiple of the usual substeps, because everything that takes substeps takes as many.
+inline constexpr double kRolledSpacings = 0.3, kMostRollingSubsteps = 2.0;
 /// In islands of more deformable bodies it is not resolved: all of them would take the substeps, and in a heap nobody sees it.
 inline constexpr int kMostLandingBodies = 2;
 /// Implicit bodies take longer game steps in parts of at most this length, s.

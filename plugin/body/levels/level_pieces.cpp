@@ -141,7 +141,6 @@ void Levels::inherit( const Levels& whole, const std::vector<std::uint32_t>& cel
 	}
 }
 
-/// Of each node: 1 where it is requested, 2 where those under it are too.
 std::vector<std::uint8_t> Levels::requestedNodes() const
 {
 	std::vector<std::uint32_t> requested( m_requested );

@@ -74,7 +74,6 @@ void Levels::requestFinest( int node )
 	requestUnder( m_cut.node[std::size_t( node )] );
 }
 
-/// Requests all coarse nodes under a node of the octree.
 void Levels::requestUnder( std::uint32_t node )
 {
 	std::vector<std::uint32_t> coarse = { node };

@@ -195,8 +195,9 @@ private:
 	};
 	void findReviewed();
 	bool mayMerge( const NodeState& nodes, const Reviewed::Siblings& siblings ) const;
-	/// Of each node: 1 where a split was requested.
+	/// Requests all coarse nodes under a node of the octree.
 	void requestUnder( std::uint32_t node );
+	/// Of each node: 1 where a split was requested, 2 where those of the nodes under it were too.
 	std::vector<std::uint8_t> requestedNodes() const;
 	void planScratch();
 	void prepareScratch();

@@ -174,9 +174,17 @@ Status SoftBody::applyImpulse( const btVector3& impulse, int node )
 		NodeState& nodes = m_impl->body->nodes();
 		const Vec3 velocity = nodes.v.get( node ) + ( nodes.freedom[node] / nodes.mass[node] ) * toVec3( impulse );
 		checkVelocity( velocity, "applyImpulse", isFinite( impulse ) );
+		const double more = nodes.mass[node] * ( velocity.cast<double>().squaredNorm() - nodes.v.get( node ).cast<double>().squaredNorm() );
 		nodes.v.set( node, velocity );
-		m_impl->followVelocities();
-		m_impl->mustDeform = m_impl->mustDeform || m_impl->rigidProxy;
+		if ( m_impl->rigidProxy )
+		{
+			m_impl->followVelocities();
+			m_impl->mustDeform = true;
+		}
+		else // without a pass over the body, as games push many nodes
+		{
+			m_impl->meanSquareSpeed = std::max( 0.0, m_impl->meanSquareSpeed + more / m_impl->mass );
+		}
 		activate( true );
 	} );
 }

@@ -96,7 +96,7 @@ ImplicitStepPlan planImplicitStep( const SoftBody& body, double gameStep, int us
 		plan.parts = std::max( plan.parts, isWhole ? 1 : usual );
 		const double spacing = sizeOf( body ) / std::cbrt( double( body.nodeCount() ) ),
 					 travelled = std::sqrt( body.impl().meanSquareSpeed ) * gameStep / spacing;
-		const double rolled = std::min( travelled / kRolledCells, kMostRollingSubsteps * usual );
+		const double rolled = std::min( travelled / kRolledSpacings, kMostRollingSubsteps * usual );
 		plan.parts = std::max( plan.parts, int( std::ceil( rolling * rolled ) ) );
 		// The strain of a rolling body is at rest in space and turns in its material, which numerical damping takes for a vibration.
 		const double resolved = lands ? resolvedFraction( body, gameStep / plan.parts ) : 0.0;

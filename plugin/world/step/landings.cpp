@@ -29,12 +29,11 @@ btScalar meanSpeedOf( const SoftBody& body )
 class Approach
 {
 public:
-	/// `reach`: s, how far ahead. `isLanding`: nothing counts once they touch; otherwise nodes that touch do not, and the others are as
-	/// fast as the centre of mass at most: those of a rolling body meet the ground without an impact.
-	Approach( const SoftBody& soft, const btCollisionObject& other, btScalar reach, bool isLanding ) :
+	/// `reach`: s, how far ahead. `seeksImpacts`: fastestImpact is needed too.
+	Approach( const SoftBody& soft, const btCollisionObject& other, btScalar reach, bool seeksImpacts ) :
 		m_nodes( soft.impl().body->nodes() ), m_shape( *soft.impl().shape ), m_at( soft.getWorldTransform().getOrigin() ),
-		m_motion( motionOf( other ) ), m_velocity( isLanding ? Vec3d( Vec3d::Zero() ) : toVec3d( motionOf( soft ).velocity ) ),
-		m_reach( reach ), m_isLanding( isLanding )
+		m_motion( motionOf( other ) ), m_velocity( seeksImpacts ? toVec3d( motionOf( soft ).velocity ) : Vec3d( Vec3d::Zero() ) ),
+		m_reach( reach ), m_seeksImpacts( seeksImpacts )
 	{
 		const btScalar speed = meanSpeedOf( soft ) + fastest( other, m_motion );
 		m_margin = m_reach * speed + btScalar( m_shape.largestRadius() );
@@ -70,8 +69,12 @@ public:
 			} );
 		} );
 	}
-	/// The fastest approach at a point where they will meet, m/s, and the node of that point; 0 and -1 where there is none.
-	double fastestApproach() const { return !m_touches ? m_most : m_isLanding ? 0.0 : std::min( m_most, m_mostOfCentre ); }
+	/// The fastest approach at a point where they will meet, m/s; 0 where they touch already.
+	double fastestLanding() const { return m_touches ? 0.0 : m_most; }
+	/// The same, but where they touch already of the nodes that do not, at most as fast as the centre of mass: nodes of a rolling body meet
+	/// the ground without an impact. 0 unless impacts are sought.
+	double fastestImpact() const { return !m_seeksImpacts ? 0.0 : m_touches ? std::min( m_most, m_mostOfCentre ) : m_most; }
+	/// The node of that point; -1 for none.
 	int fastestNode() const { return m_node; }
 
 private:
@@ -81,7 +84,7 @@ private:
 	{
 		const btVector3 margin( m_margin, m_margin, m_margin );
 		m_shape.rows().visitOverlaps( SphereRows::Box::of( low - margin, high + margin ), [&]( int node ) {
-			if ( !m_isLanding || !m_touches )
+			if ( m_seeksImpacts || !m_touches )
 			{
 				MovingSphere sphere;
 				sphere.centre = m_nodes.x.get( node ).cast<double>();
@@ -156,20 +159,12 @@ private:
 	const NodeShape& m_shape;
 	btVector3 m_at;
 	ObjectMotion m_motion;
-	Vec3d m_velocity; ///< of the body's centre of mass, unless only landings are sought
+	Vec3d m_velocity; ///< of the body's centre of mass, if impacts are sought
 	btScalar m_reach, m_margin = btScalar( 0 );
-	bool m_isLanding, m_touches = false;
+	bool m_seeksImpacts, m_touches = false;
 	double m_most = 0.0, m_mostOfCentre = 0.0;
 	int m_node = -1;
 };
-
-Approach approachOf( const SoftBody& body, const btCollisionObject& other, btScalar gameStep, bool isLanding )
-{
-	Approach approach( body, other, btScalar( kLandingSteps ) * gameStep, isLanding );
-	const SoftBody* const soft = SoftBody::upcast( &other );
-	soft && !soft->impl().rigidProxy ? approach.addSoft( *soft ) : approach.addRigid( other );
-	return approach;
-}
 
 /// The velocity from which on an impact may break a body that has coarse nodes, m/s; infinity where none may. A wave of the velocity v
 /// strains the body by v / c.
@@ -191,10 +186,17 @@ btScalar speedOf( const btCollisionObject& object )
 	return soft ? meanSpeedOf( *soft ) : fastest( object, motionOf( object ) );
 }
 
-/// The balls and wheels in a box that something can move and that do not sleep.
-struct RoundObjects : btBroadphaseAabbCallback
+/// How freely the balls and wheels that touch a body turn, from 0 to 1.
+class RollingObjects : public btBroadphaseAabbCallback
 {
-	std::vector<btBroadphaseProxy*> found;
+public:
+	/// `up`: of unit length. `manifolds`: scratch.
+	RollingObjects( btOverlappingPairCache& pairs, btBroadphaseProxy& body, const Vec3d& up, btManifoldArray& manifolds ) :
+		m_pairs( pairs ), m_body( body ), m_up( up ), m_manifolds( manifolds )
+	{}
+
+	double freest() const { return m_freest; }
+
 	bool process( const btBroadphaseProxy* proxy ) override
 	{
 		const auto& object = *static_cast<const btCollisionObject*>( proxy->m_clientObject );
@@ -202,10 +204,34 @@ struct RoundObjects : btBroadphaseAabbCallback
 		const bool isRound = type == SPHERE_SHAPE_PROXYTYPE || type == CYLINDER_SHAPE_PROXYTYPE;
 		if ( isRound && object.isActive() && massOf( object ) < SIMD_INFINITY )
 		{
-			found.push_back( const_cast<btBroadphaseProxy*>( proxy ) );
+			btVector3 middle;
+			btScalar radius;
+			object.getCollisionShape()->getBoundingSphere( middle, radius );
+			const double turn = turnFreedom( toVec3d( motionOf( object ).angularVelocity ), m_up, 2.0 * double( radius ) );
+			m_freest = turn > m_freest && touches( *proxy ) ? turn : m_freest;
 		}
 		return true;
 	}
+
+private:
+	bool touches( const btBroadphaseProxy& other )
+	{
+		const btBroadphasePair* const pair = m_pairs.findPair( &m_body, const_cast<btBroadphaseProxy*>( &other ) );
+		m_manifolds.resize( 0 );
+		pair && pair->m_algorithm ? pair->m_algorithm->getAllContactManifolds( m_manifolds ) : void();
+		bool isTouch = false;
+		for ( int k = 0; k < m_manifolds.size(); ++k )
+		{
+			isTouch = isTouch || m_manifolds[k]->getNumContacts() > 0;
+		}
+		return isTouch;
+	}
+
+	btOverlappingPairCache& m_pairs;
+	btBroadphaseProxy& m_body;
+	Vec3d m_up;
+	btManifoldArray& m_manifolds;
+	double m_freest = 0.0;
 };
 
 } // namespace
@@ -235,36 +261,18 @@ double SoftBodySystem::rollingOf( const SoftBody& body ) const
 	return freedom > 0.0 && attachments.contain( body ) ? 0.0 : freedom;
 }
 
-/// How freely a ball or a wheel that touches a body turns, from 0 to 1: where it rolls on the body, strain moves through that as through a
-/// body that rolls.
-double SoftBodySystem::rollingOn( const SoftBody& body ) const
+/// Whether balls or wheels roll on a body, from 0 to 1: strain moves through it as through a body that rolls.
+double SoftBodySystem::rollingOn( SoftBody& body )
 {
 	const btVector3 gravity = gravityOf( body );
-	btBroadphaseProxy* const own = const_cast<btBroadphaseProxy*>( body.getBroadphaseHandle() );
+	btBroadphaseProxy* const own = body.getBroadphaseHandle();
 	if ( body.impl().touched.empty() || gravity.isZero() || !own )
 	{
 		return 0.0;
 	}
-	RoundObjects round;
-	m_world.getBroadphase()->aabbTest( own->m_aabbMin, own->m_aabbMax, round );
-	double most = 0.0;
-	for ( btBroadphaseProxy* const proxy : round.found )
-	{
-		const auto& object = *static_cast<const btCollisionObject*>( proxy->m_clientObject );
-		btVector3 middle;
-		btScalar radius;
-		object.getCollisionShape()->getBoundingSphere( middle, radius );
-		const double turn = turnFreedom(
-			toVec3d( motionOf( object ).angularVelocity ), toVec3d( -gravity.normalized() ), 2.0 * double( radius ) );
-		const btBroadphasePair* const pair = turn > most ? m_world.getPairCache()->findPair( own, proxy ) : nullptr;
-		btManifoldArray manifolds;
-		pair && pair->m_algorithm ? pair->m_algorithm->getAllContactManifolds( manifolds ) : void();
-		for ( int k = 0; k < manifolds.size(); ++k )
-		{
-			most = manifolds[k]->getNumContacts() > 0 ? turn : most;
-		}
-	}
-	return most;
+	RollingObjects rolling( *m_world.getPairCache(), *own, toVec3d( -gravity.normalized() ), m_manifolds );
+	m_world.getBroadphase()->aabbTest( own->m_aabbMin, own->m_aabbMax, rolling );
+	return rolling.freest();
 }
 
 void SoftBodySystem::countIslandBodies()
@@ -288,41 +296,36 @@ bool SoftBodySystem::isSmallImpact( const btCollisionObject& a, const btCollisio
 	return countOf( first ) + ( second == first || second < 0 ? 0 : countOf( second ) ) <= kMostLandingBodies;
 }
 
-void SoftBodySystem::noteLanding( SoftBody& body, btCollisionObject& other, btScalar gameStep, int usual )
+void SoftBodySystem::noteImpact( SoftBody& body, btCollisionObject& other, btScalar gameStep, int usual )
 {
 	ElasticityState& state = body.impl().elasticity;
 	const double duration = kLandingCrossings * double( gameStep ) / travelOfSound( body, double( gameStep ) );
-	const double slowest = leastLanding( body, double( gameStep ), usual );
-	if ( slowest == SIMD_INFINITY || state.landingTime > duration || !mayTouch( body, other ) || !isSmallImpact( body, other ) )
+	const double slowest = leastLanding( body, double( gameStep ), usual ), breaking = leastBreaking( body );
+	const bool mayLand = slowest < SIMD_INFINITY && state.landingTime <= duration && isSmallImpact( body, other );
+	const bool mayBreak = breaking < SIMD_INFINITY;
+	if ( ( !mayLand && !mayBreak ) || !mayTouch( body, other ) )
 	{
 		return;
 	}
+	Approach approach( body, other, btScalar( kLandingSteps ) * gameStep, mayBreak );
+	const SoftBody* const soft = SoftBody::upcast( &other );
+	soft && !soft->impl().rigidProxy ? approach.addSoft( *soft ) : approach.addRigid( other );
 	// The energy m v^2 / 2 of a light object deforms less of the body, that of a heavy one more.
-	const double mass = double( massOf( other ) ), root = std::sqrt( mass / body.impl().mass );
+	const double mass = double( massOf( other ) ), own = body.impl().mass, root = std::sqrt( mass / own );
 	const double least = std::min( 1.0, root ), most = mass == SIMD_INFINITY ? 1.0 : std::max( 1.0, root );
-	const double velocity = approachOf( body, other, gameStep, true ).fastestApproach();
-	if ( least * velocity > slowest && most * velocity < kMostLandingStrain * soundVelocity( body ) )
+	const double landing = mayLand ? approach.fastestLanding() : 0.0;
+	if ( least * landing > slowest && most * landing < kMostLandingStrain * soundVelocity( body ) )
 	{
 		state.landingTime = duration + kLandingSteps * double( gameStep );
 		body.activate();
 	}
-}
-
-/// Splits the coarse nodes that an impact may break before it begins: they would notice its strain too late. The energy of an impact,
-/// mu v^2 / 2 with the reduced mass mu, strains at most the mass M = mu ( v / ( c e ) )^2 by the strain e.
-void SoftBodySystem::noteBreaking( SoftBody& body, btCollisionObject& other, btScalar gameStep )
-{
-	const double slowest = leastBreaking( body );
-	if ( slowest == SIMD_INFINITY || !mayTouch( body, other ) )
+	// The energy mu v^2 / 2, with the reduced mass mu, strains at most the mass mu ( v / ( c e ) )^2 by the strain e. Its coarse nodes are
+	// split before the impact: they would notice the strain too late.
+	const double impact = approach.fastestImpact();
+	if ( impact > breaking )
 	{
-		return;
-	}
-	const Approach approach = approachOf( body, other, gameStep, false );
-	const double velocity = approach.fastestApproach();
-	if ( velocity > slowest )
-	{
-		const double own = body.impl().mass, ratio = velocity / slowest;
-		body.impl().body->refineAround( approach.fastestNode(), own / ( 1.0 + own / double( massOf( other ) ) ) * ratio * ratio );
+		const double ratio = impact / breaking;
+		body.impl().body->refineAround( approach.fastestNode(), own / ( 1.0 + own / mass ) * ratio * ratio );
 		body.activate();
 	}
 }
@@ -359,13 +362,11 @@ void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
 	m_fastPairs.visit( m_world, reach, slowest, speedOf, [&]( btCollisionObject& fast, btCollisionObject& other ) {
 		if ( SoftBody* const body = asSoftBody( &fast ) )
 		{
-			noteLanding( *body, other, gameStep, usual );
-			noteBreaking( *body, other, gameStep );
+			noteImpact( *body, other, gameStep, usual );
 		}
 		if ( SoftBody* const body = asSoftBody( &other ) )
 		{
-			noteLanding( *body, fast, gameStep, usual );
-			noteBreaking( *body, fast, gameStep );
+			noteImpact( *body, fast, gameStep, usual );
 		}
 	} );
 }

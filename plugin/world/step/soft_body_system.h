@@ -20,6 +20,7 @@
 #include "world/step/object_motion.h"
 #include "world/step/substep_group.h"
 
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
 #include <memory>
@@ -235,12 +236,11 @@ private:
 	void settlePins( SoftBody& body, btScalar h, int substep );
 	double leastLanding( const SoftBody& body, double gameStep, int usual ) const;
 	double rollingOf( const SoftBody& body ) const;
-	double rollingOn( const SoftBody& body ) const;
+	double rollingOn( SoftBody& body );
 	void noteLandings( btScalar gameStep, int usual, bool canSplit );
 	void countIslandBodies();
 	bool isSmallImpact( const btCollisionObject& a, const btCollisionObject& b ) const;
-	void noteLanding( SoftBody& body, btCollisionObject& other, btScalar gameStep, int usual );
-	void noteBreaking( SoftBody& body, btCollisionObject& other, btScalar gameStep );
+	void noteImpact( SoftBody& body, btCollisionObject& other, btScalar gameStep, int usual );
 	int listSubstepped( btScalar gameStep, int usual );
 	int mostSubsteps( btScalar gameStep ) const;
 	bool isGroupTooLarge( const SubstepGroup::Scene& scene, int count ) const;
@@ -280,6 +280,7 @@ private:
 	int m_contactsBefore = 0;            ///< StepReport::softContacts of the previous pass
 	std::vector<SoftBody*> m_substepped; ///< scratch of planSubsteps
 	FastPairs m_fastPairs;
+	btManifoldArray m_manifolds;     ///< scratch of rollingOn
 	std::vector<int> m_islandBodies; ///< scratch of noteLandings: numbers of deformable bodies, by island tag + 1
 	unsigned m_serials = 0;
 	double m_clock = 0.0; ///< s of steps so far
