@@ -1,10 +1,10 @@
 #include "body/body.h"
 
 #include "body/breaking.h"
-#include "body/implicit_motion.h"
+#include "body/implicit/implicit_motion.h"
+#include "body/implicit/touched_nodes.h"
 #include "body/levels/levels.h"
 #include "body/rigid_state.h"
-#include "body/touched_nodes.h"
 #include "lattice/attempt.h"
 #include "matching/clusters/cluster_matcher.h"
 #include "matching/regions/link_moments.h"

@@ -8,8 +8,8 @@
 #include "pliant/material.h"
 #include "pliant/result.h"
 
+#include "body/implicit/node_pull.h"
 #include "body/levels/level_energy.h"
-#include "body/node_pull.h"
 #include "lattice/lattice.h"
 #include "matching/kernels/kernels.h"
 #include "matching/node_state.h"
@@ -239,6 +239,8 @@ public:
 	ImplicitMotion& joinFreely();
 	/// The same with the nodes that will be added.
 	TouchedNodes& joinByContacts();
+	/// For a body that wakes between its forces and its contacts: it joins by contacts, from its present velocities.
+	void joinAtRest() { keepVelocities( nullptr ); }
 	/// Measures the rigid motions of such a body, in `implicit()`.
 	ImplicitMotion& measureRigidMotions();
 	/// Null before the first call of pushImplicitly, joinFreely or measureRigidMotions.
@@ -255,6 +257,8 @@ public:
 	/// The impulse and angular impulse about the origin of the world that the nodes have got with their present velocities, N s and N m s.
 	void pullImpulse( Vec3d& linear, Vec3d& angular ) const;
 
+	/// Of an implicit body without contacts, before integrate: parts that rotate go along arcs (ImplicitMotion::bendToArcs).
+	void bendToArcs( float h );
 	/// x += h v   (Ohta et al. 2009, eq. 4); the origin follows when the body moves away from it. Checks every number: see BodyHealth.
 	BodyHealth integrate( float h, TaskRunner* runner = nullptr );
 	/// Velocity bounds of all nodes after their forces are applied, m/s.
@@ -380,6 +384,7 @@ private:
 	float m_sinceReview = 0.0f; ///< s
 	LevelDebt m_energyDebt;     ///< of explicit steps
 	bool m_wasImplicit = false; ///< in the last substep
+	bool m_isBent = false;      ///< by bendToArcs, before integrate
 	std::optional<float> m_numericalDamping;
 	double m_rolling = 0.0; ///< of rollFreely
 	bool m_isOnePart = true;

@@ -2,7 +2,7 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
-#include "body/implicit_motion.h"
+#include "body/implicit/implicit_motion.h"
 #include "body/levels/levels.h"
 #include "body/rigid_state.h"
 
@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace pliant {
 
@@ -243,6 +244,12 @@ void Body::pullImpulse( Vec3d& linear, Vec3d& angular ) const
 	}
 }
 
+void Body::bendToArcs( float h )
+{
+	m_implicit->bendToArcs( double( h ) );
+	m_isBent = true;
+}
+
 // The new positions are written twice: here, and over the scratch copy. If all are finite, that copy becomes the last finite state,
 // otherwise the previous one is intact: 24 bytes per node and a second store ensure that a non-finite number never spreads.
 BodyHealth Body::integrate( float h, TaskRunner* runner )
@@ -263,6 +270,7 @@ BodyHealth Body::integrate( float h, TaskRunner* runner )
 			m_motion.moment[k] += sum.moment[k];
 		}
 	}
+	const bool wasBent = std::exchange( m_isBent, false );
 	if ( m_motion.worst != 0.0f )
 	{
 		restoreFiniteState();
@@ -271,6 +279,10 @@ BodyHealth Body::integrate( float h, TaskRunner* runner )
 	}
 	m_positionScratch.swap( m_lastFinite );
 	m_lastFiniteOrigin = m_nodes.origin;
+	if ( wasBent )
+	{
+		m_implicit->turnVelocities();
+	}
 	rebase();
 	return BodyHealth::Good;
 }

@@ -12,6 +12,16 @@ inline constexpr float kSmallestScale = 1e-6f, kLargestScale = 1e6f;
 /// a ball of 0.4 m at 1 m/s, it rolls.
 inline constexpr double kRockingTurn = 0.1, kFreeTurn = 0.5;
 
+/// Implicit bodies that turn by this much in a step, rad, go on along arcs: a smaller turn stretches by 1e-5 along tangents.
+inline constexpr double kLeastArc = 0.005;
+/// And that sound crosses so many times in it, in the root of the mean square radius.
+inline constexpr double kArcTravel = 3.0;
+/// Iterations for the axis of rotation in the middle of a step; the error falls by the turn in each.
+inline constexpr int kArcIterations = 4;
+/// The least fraction of a body's energy about its mass centre that is the energy of its rotation: the parts of what bends in flight rotate
+/// by themselves.
+inline constexpr double kRotatesAsRigid = 0.98;
+
 // --- Segments of large bodies (segments.h) ---
 
 /// Bodies of fewer nodes, with a smaller G, or that are divided into fewer segments, as compact ones are, need few products without.

@@ -5,6 +5,7 @@
 #include "fracture/shards/shard_cracks.h"
 #include "matching/constants.h"
 #include "matching/matcher.h"
+#include "matching/rotation.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -31,13 +32,6 @@ Vec3d freeAngularVelocity( const Vec3d& moments, const Eigen::Quaterniond& rotat
 Vec3d spinOf( const Vec3d& moments, const Eigen::Quaterniond& rotation, const Vec3d& angularVelocity )
 {
 	return rotation * Vec3d( moments.cwiseProduct( rotation.conjugate() * angularVelocity ) );
-}
-
-/// Returns the rotation by a rotation vector, rad.
-Eigen::Quaterniond rotationBy( const Vec3d& vector )
-{
-	const double angle = vector.norm();
-	return angle > 0.0 ? Eigen::Quaterniond( Eigen::AngleAxisd( angle, vector / angle ) ) : Eigen::Quaterniond::Identity();
 }
 
 /// Whether pinned nodes leave a body no rigid motion: they are spread in two directions, or there are no others. `cell`: size, m.

@@ -15,6 +15,13 @@ namespace pliant {
 Eigen::Quaterniond fitRotation( const Eigen::Matrix3d& a, const Eigen::Quaterniond& previous );
 Eigen::Quaternionf fitRotation( const Eigen::Matrix3f& a, const Eigen::Quaternionf& previous );
 
+/// The rotation by a rotation vector, rad.
+inline Eigen::Quaterniond rotationBy( const Eigen::Vector3d& vector )
+{
+	const double angle = vector.norm();
+	return angle > 0.0 ? Eigen::Quaterniond( Eigen::AngleAxisd( angle, vector / angle ) ) : Eigen::Quaterniond::Identity();
+}
+
 /// The matrix of the cross product: crossMatrix( a ) b = a x b.
 inline Eigen::Matrix3d crossMatrix( const Eigen::Vector3d& a )
 {

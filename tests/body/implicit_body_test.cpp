@@ -1,6 +1,6 @@
 // The implicit substep of a body without contacts.
 
-#include "body/implicit_motion.h"
+#include "body/implicit/implicit_motion.h"
 #include "matching/constants.h"
 #include "support/block_body.h"
 #include "support/clamped_bar.h"

@@ -1,7 +1,7 @@
 // The implicit substep of bodies with levels of detail: the operator of their regions, and conservation while nodes are split and merged.
 
+#include "body/implicit/implicit_motion.h"
 #include "body/implicit_levels_case.h"
-#include "body/implicit_motion.h"
 
 #include <gtest/gtest.h>
 

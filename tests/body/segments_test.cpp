@@ -1,6 +1,6 @@
 // Segments of large bodies: they divide a body, move with it, and resist as the operator of the implicit step does.
 
-#include "body/segments.h"
+#include "body/implicit/segments.h"
 
 #include "body/implicit_levels_case.h"
 #include "matching/implicit/strain_rates.h"

@@ -39,7 +39,7 @@ const std::vector<std::vector<const char*>> kSubfolders = {
 	{ "plugin/fracture/", "plugin/fracture/shards/" },
 	{ "plugin/surface/kernels/", "plugin/surface/skin/", "plugin/surface/crack_shapes/", "plugin/surface/crack_complex/",
 		"plugin/surface/crack_state/", "plugin/surface/crack_mesh/", "plugin/surface/render/" },
-	{ "plugin/body/levels/", "plugin/body/", "plugin/body/state/" },
+	{ "plugin/body/implicit/", "plugin/body/levels/", "plugin/body/", "plugin/body/state/" },
 	{ "plugin/world/", "plugin/world/shape/", "plugin/world/query/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/",
 		"plugin/world/respond/", "plugin/world/detect/", "plugin/world/linear/", "plugin/world/joints/", "plugin/world/block/",
 		"plugin/world/rigid/", "plugin/world/game/", "plugin/world/bodies/", "plugin/world/step/", "plugin/world/api/",

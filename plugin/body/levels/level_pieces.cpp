@@ -5,7 +5,7 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
-#include "body/implicit_motion.h"
+#include "body/implicit/implicit_motion.h"
 #include "body/levels/levels.h"
 #include "matching/step/lattice_matcher.h"
 

@@ -4,7 +4,7 @@
 #include "archive/settings_archive.h"
 #include "body/body.h"
 #include "body/breaking.h"
-#include "body/implicit_motion.h"
+#include "body/implicit/implicit_motion.h"
 #include "body/levels/levels.h"
 #include "body/rigid_state.h"
 #include "lattice/features.h"

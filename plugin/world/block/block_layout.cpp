@@ -2,7 +2,7 @@
 
 #include "world/block/island_block.h"
 
-#include "body/touched_nodes.h"
+#include "body/implicit/touched_nodes.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 

@@ -1,6 +1,6 @@
 // Restores the momentum that the truncated iteration loses.
 
-#include "body/touched_nodes.h"
+#include "body/implicit/touched_nodes.h"
 #include "world/block/island_block.h"
 #include "world/bodies/soft_body_impl.h"
 

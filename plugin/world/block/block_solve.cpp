@@ -1,6 +1,6 @@
 #include "world/block/block_solve.h"
 
-#include "body/touched_nodes.h"
+#include "body/implicit/touched_nodes.h"
 #include "threads/parallel.h"
 #include "world/block/implicit_choice.h"
 #include "world/bodies/soft_body_impl.h"

@@ -4,7 +4,7 @@
 // ones, and of the rigid bodies that they touch, coupled by unilateral contacts with Coulomb friction. docs/design/implicit.md derives the
 // formulas and the constants.
 
-#include "body/implicit_motion.h"
+#include "body/implicit/implicit_motion.h"
 #include "lattice/lattice.h"
 #include "matching/implicit/conjugate_gradients.h"
 #include "world/linear/active_contact.h"

@@ -11,7 +11,7 @@
 // joint overshoots. The force of the last substeps compensates for the excess of D: like gravity it acts on the patch before the solver,
 // and the frame's velocity that Bullet gets excludes it. docs/design/attachments.md.
 
-#include "body/implicit_motion.h"
+#include "body/implicit/implicit_motion.h"
 #include "lattice/lattice.h"
 
 #include <Eigen/Geometry>

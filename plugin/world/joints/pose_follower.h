@@ -1,7 +1,7 @@
 #pragma once
 
 // The data of a body that follows a pose (pliant/game/skeleton.h). Cells are those of the template: fragments and bodies with levels find
-// theirs by Body::firstCells. Each substep the targets of a node's cells become one velocity and one gain (body/node_pull.h).
+// theirs by Body::firstCells. Each substep the targets of a node's cells become one velocity and one gain (body/implicit/node_pull.h).
 
 #include "body/body.h"
 #include "lattice/lattice.h"

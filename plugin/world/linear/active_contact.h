@@ -2,7 +2,7 @@
 
 // A contact of a block in the compact form of its matrix products and sweeps.
 
-#include "body/implicit_motion.h"
+#include "body/implicit/implicit_motion.h"
 #include "world/touch/shared_nodes.h"
 
 namespace pliant {

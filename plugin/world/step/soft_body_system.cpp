@@ -325,6 +325,10 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 		{
 			impl.follower->sum( *impl.body, double( h ) ); // of the velocities of its solution
 		}
+		if ( impl.isImplicit && impl.touched.empty() && !attachments.contain( body ) )
+		{
+			impl.body->bendToArcs( float( h ) );
+		}
 		impl.isBroken = impl.body->integrate( float( h ), within ) == BodyHealth::Quarantined;
 		impl.placeSpheres( body, impl.body->motion(), within );
 		impl.skin.nodesMoved();

@@ -3,7 +3,7 @@
 
 #include "world/test_world.h"
 
-#include "body/touched_nodes.h"
+#include "body/implicit/touched_nodes.h"
 #include "world/block/island_block.h"
 #include "world/bodies/soft_body_impl.h"
 

@@ -1,4 +1,4 @@
-#include "body/segments.h"
+#include "body/implicit/segments.h"
 
 #include "body/constants.h"
 #include "lattice/union_find.h"

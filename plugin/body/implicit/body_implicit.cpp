@@ -2,9 +2,9 @@
 
 #include "body/body.h"
 
-#include "body/implicit_motion.h"
+#include "body/implicit/implicit_motion.h"
+#include "body/implicit/touched_nodes.h"
 #include "body/levels/levels.h"
-#include "body/touched_nodes.h"
 #include "matching/implicit/conjugate_gradients.h"
 #include "matching/step/lattice_matcher.h"
 #include "matching/stiffness.h"

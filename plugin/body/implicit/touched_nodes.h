@@ -3,7 +3,7 @@
 // The nodes of an explicitly stepped body that contacts touch, as a body of their own in an implicit system. Such a body takes part with
 // its masses alone, which couple no two of its nodes: those without contacts keep their velocities of free flight, and need no unknowns.
 
-#include "body/implicit_motion.h"
+#include "body/implicit/implicit_motion.h"
 
 #include <vector>
 

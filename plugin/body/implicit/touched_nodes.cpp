@@ -1,4 +1,4 @@
-#include "body/touched_nodes.h"
+#include "body/implicit/touched_nodes.h"
 
 namespace pliant {
 

@@ -10,8 +10,8 @@
 //
 // sigma is Material::numericalDamping, c Material::damping, alpha = E h^2 / ( rho d^2 mu ) of any size, 1 - P of StrainRates.
 
-#include "body/node_pull.h"
-#include "body/segments.h"
+#include "body/implicit/node_pull.h"
+#include "body/implicit/segments.h"
 #include "matching/implicit/strain_rates.h"
 #include "matching/node_state.h"
 
@@ -100,6 +100,11 @@ public:
 	Vector6 missingMomentum( int part = 0 ) const;
 	/// Adds a rigid motion to the nodes' velocities.
 	void addMotion( const Vector6& motion, int part = 0 );
+	/// Of a body without contacts, before x += h v, which takes nodes along tangents: moves those of free parts that rotate as rigid ones
+	/// by the difference to arcs. `h`: s.
+	void bendToArcs( double h );
+	/// After it: turns their velocities too.
+	void turnVelocities();
 	void copyVelocities( float* v ) const;    ///< current node velocities
 	void setNodeVelocities( const float* v ); ///< of the free nodes
 	std::size_t bytes() const { return m_rightSide.size() * sizeof( float ) + m_rates.bytes(); }
@@ -127,7 +132,19 @@ private:
 	double m_secondMoment = 0.0; ///< of a full region, per axis and mass, m^2
 	float m_stiffness = 0.0f;    ///< G = gamma alpha ( 1 + kappa |m| ) + h c
 	float m_volume = 0.0f;       ///< kappa gamma alpha / G
+	double m_soundSquare = 0.0;  ///< square of the distance that sound travels in the substep, m^2
 	bool m_hasHeldNodes = false;
+	/// The rotation of a free part in a step of h, s, which begins with the angular momentum `spin` and would turn by `turn`, rad.
+	Eigen::Matrix3d turned( const Eigen::Vector3d& spin, const Eigen::Vector3d& turn, double h, int part ) const;
+	/// `motion`: of `momentum`. `h`: s.
+	bool followsArcs( int part, const Vector6& momentum, const Vector6& motion, double h ) const;
+	struct Arc
+	{
+		int part;
+		Eigen::Matrix3d rotation;
+		Eigen::Vector3d velocity, spin; ///< of the mass centre, m/s; angular momentum about it, kg m^2/s
+	};
+	std::vector<Arc> m_arcs;
 	std::vector<char> m_isHeld;              ///< of each part
 	std::vector<Vector6> m_freeMomentum;     ///< of each part with the velocities of free flight, v*
 	std::vector<Eigen::Matrix3d> m_inertias; ///< of each part, kg m^2; with a minimum

@@ -1,4 +1,4 @@
-#include "body/implicit_motion.h"
+#include "body/implicit/implicit_motion.h"
 
 #include "body/constants.h"
 #include "matching/constants.h"
@@ -77,6 +77,7 @@ void ImplicitMotion::begin(
 	const float gamma = 0.5f * ( 1.0f + sigma );
 	m_stiffness = gamma * elastic + step.h * step.damping;
 	m_volume = step.volumeKeeping * gamma * step.alpha / m_stiffness;
+	m_soundSquare = double( step.alpha ) * step.secondMoment;
 	m_rates.prepare( matcher, nodes, runner, m_stiffness );
 	measurePinned();
 	// Nodes in one point cannot rotate, for any inertia.
@@ -197,7 +198,7 @@ float ImplicitMotion::diagonal( int node ) const
 	return m_pull ? own + m_nodes->mass[node] * gainOf( node ) : own;
 }
 
-/// What a held node adds to the resistance of the motions that its body's other nodes make, kg.
+/// Resistance that a held node adds to the motions of its body's other nodes, kg.
 float ImplicitMotion::heldResistance( int node ) const
 {
 	return m_nodes->freedom[node] == 0.0f ? diagonal( node ) - m_nodes->mass[node] : m_nodes->mass[node] * gainOf( node );

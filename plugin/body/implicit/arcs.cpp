@@ -1,0 +1,114 @@
+// The motion of rotating parts along arcs instead of tangents.
+
+#include "body/constants.h"
+#include "body/implicit/implicit_motion.h"
+#include "matching/constants.h"
+#include "matching/regions/region_moments.h"
+#include "matching/rotation.h"
+
+#include <Eigen/Eigenvalues>
+
+namespace pliant {
+
+// Where sound crosses a part several times within the step its elasticity turns the velocities within it, and the centrifugal force
+// stretches it by a fraction of what the tangents would. With s the distance that sound travels, r the root of the mean square radius and q
+// that of the distances from the middle plane across the thinnest direction:
+//
+//   s > n r along it,   s q > r^2 as it bends
+//
+// What bends in flight for another reason rotates otherwise in every part of it.
+bool ImplicitMotion::followsArcs( int part, const Vector6& momentum, const Vector6& motion, double h ) const
+{
+	const double mass = m_rates.whole( part ).mass;
+	if ( isHeld( part ) || !hasShape( part ) || h * motion.tail<3>().norm() < kLeastArc )
+	{
+		return false;
+	}
+	double square = 0.0;
+	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+	parts().forNodes( part, m_nodes->count, [&]( int i ) {
+		const Eigen::Vector3d arm = m_nodes->x.get( i ).cast<double>() - centre( part );
+		second += double( m_nodes->mass[i] ) / mass * arm * arm.transpose();
+		square += double( m_nodes->mass[i] ) * ( m_nodes->v.get( i ).cast<double>() - motion.head<3>() ).squaredNorm();
+	} );
+	const double radiusSquare = second.trace();
+	const double thinnest =
+		Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>().computeDirect( second, Eigen::EigenvaluesOnly ).eigenvalues()[0];
+	return m_soundSquare > kArcTravel * kArcTravel * radiusSquare && m_soundSquare * thinnest > radiusSquare * radiusSquare &&
+		momentum.tail<3>().dot( motion.tail<3>() ) > kRotatesAsRigid * square;
+}
+
+// The implicit midpoint rule: h w = h R I^-1 R^T L with R, by h w / 2, the axes in the middle. With w of the start the axis would drift off
+// the rotation, faster and faster.
+Eigen::Matrix3d ImplicitMotion::turned( const Eigen::Vector3d& spin, const Eigen::Vector3d& turn, double h, int part ) const
+{
+	Eigen::Vector3d middle = turn;
+	for ( int k = 0; k < kArcIterations; ++k )
+	{
+		const Eigen::Matrix3d half = rotationBy( 0.5 * middle ).toRotationMatrix();
+		Vector6 own = Vector6::Zero();
+		own.tail<3>() = half.transpose() * spin;
+		middle = h * half * rigidMotion( own, part ).tail<3>();
+	}
+	return rotationBy( middle ).toRotationMatrix();
+}
+
+// x += h v stretches what rotates by ( h w )^2 / 2 in each step, whatever its stiffness. With the rotation R by h w the nodes go on to
+//
+//   x + h v + B r,   B = R - 1 - [ h w ]x
+//
+// r relative to the mass centre.
+void ImplicitMotion::bendToArcs( double h )
+{
+	NodeState& nodes = *m_nodes;
+	m_arcs.clear();
+	for ( int p = 0; p < parts().count(); ++p )
+	{
+		const Vector6 whole = momentum( p ), motion = rigidMotion( whole, p );
+		if ( !followsArcs( p, whole, motion, h ) )
+		{
+			continue;
+		}
+		const Eigen::Vector3d turn = h * motion.tail<3>();
+		const Eigen::Matrix3d rotation = turned( whole.tail<3>(), turn, h, p );
+		const Eigen::Matrix3d bend = rotation - Eigen::Matrix3d::Identity() - crossMatrix( turn );
+		parts().forNodes( p, nodes.count, [&]( int i ) {
+			const Eigen::Vector3d x = nodes.x.get( i ).cast<double>();
+			nodes.x.set( i, Eigen::Vector3d( x + bend * ( x - centre( p ) ) ).cast<float>() );
+		} );
+		m_arcs.push_back( Arc{ p, rotation, motion.head<3>(), whole.tail<3>() } );
+	}
+}
+
+// Velocities turn with the positions:
+//
+//   v = V + R ( v - V ) + dw x r,   dw = I^-1 ( L - sum m r x R ( v - V ) )
+//
+// so that momentum and angular momentum L stay as they were.
+void ImplicitMotion::turnVelocities()
+{
+	NodeState& nodes = *m_nodes;
+	for ( const Arc& arc : m_arcs )
+	{
+		const double mass = m_rates.whole( arc.part ).mass;
+		Eigen::Vector3d middle = Eigen::Vector3d::Zero(), missing = arc.spin;
+		parts().forNodes(
+			arc.part, nodes.count, [&]( int i ) { middle += double( nodes.mass[i] ) / mass * nodes.x.get( i ).cast<double>(); } );
+		const auto armOf = [&]( int i ) { return Eigen::Vector3d( nodes.x.get( i ).cast<double>() - middle ); };
+		const auto turnedVelocity = [&]( int i ) {
+			return Eigen::Vector3d( arc.rotation * ( nodes.v.get( i ).cast<double>() - arc.velocity ) );
+		};
+		Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+		parts().forNodes( arc.part, nodes.count, [&]( int i ) {
+			const Eigen::Vector3d arm = armOf( i );
+			inertia += double( nodes.mass[i] ) * ( arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose() );
+			missing -= double( nodes.mass[i] ) * arm.cross( turnedVelocity( i ) );
+		} );
+		const Eigen::Vector3d added = flooredInverse( inertia, kInertiaFloor ) * missing;
+		parts().forNodes( arc.part, nodes.count, [&]( int i ) {
+			nodes.v.set( i, Eigen::Vector3d( arc.velocity + turnedVelocity( i ) + added.cross( armOf( i ) ) ).cast<float>() );
+		} );
+	}
+}
+
+} // namespace pliant
