@@ -18,6 +18,7 @@
 
 class btMultiBody;
 class btMultiBodyConstraint;
+class btMultiBodyDynamicsWorld;
 
 namespace pliant {
 
@@ -50,6 +51,8 @@ public:
 		btDiscreteDynamicsWorld& world;
 		btAlignedObjectArray<btRigidBody*>& rigidBodies; ///< that are not static
 		btAlignedObjectArray<btTypedConstraint*>& constraints;
+		btAlignedObjectArray<btMultiBody*>& multiBodies; ///< empty where the base has none
+		btAlignedObjectArray<btMultiBodyConstraint*>& multiBodyJoints;
 		btAlignedObjectArray<btActionInterface*>& actions;
 		btAlignedObjectArray<btPersistentManifold*>& predictiveManifolds;
 		btCollisionObjectArray& objects;
@@ -87,9 +90,6 @@ public:
 	virtual void baseAdd( btCollisionObject* object, int group, int mask ) = 0;
 	virtual void baseRemove( btCollisionObject* object ) = 0;
 	virtual void baseSerialize( btSerializer* serializer ) = 0;
-	/// The base's multibodies and their joints; null where there is none of this index.
-	virtual btMultiBody* multiBody( int index ) = 0;
-	virtual btMultiBodyConstraint* multiBodyJoint( int index ) = 0;
 };
 /// @endcond
 
@@ -257,9 +257,11 @@ protected:
 	void hostRemove( btCollisionObject* object );
 	/// False for the contact proxy of a soft body's node in a manifold: it is in no world.
 	static bool hostMayAdd( const btRigidBody* body );
-	/// Before a rigid body or a joint leaves the world.
+	/// Before a rigid body, a multibody or a joint leaves the world.
 	void hostForget( btRigidBody& body );
 	void hostForget( btTypedConstraint& joint );
+	void hostForget( btMultiBody& body );
+	void hostForget( btMultiBodyConstraint& joint );
 	void hostDrawPins();
 	/// False where the shape is no soft body's.
 	bool hostDrawShape( const btCollisionShape* shape, const btVector3& colour );

@@ -16,10 +16,51 @@
 
 namespace pliant {
 
+/// @cond INTERNAL
+/// The multibodies of a world of class `Base`: none, where it is not derived from btMultiBodyDynamicsWorld.
+template <class Base, class = void>
+class MultiBodiesOver : public Base
+{
+protected:
+	using Base::Base;
+	virtual void noteRemoval( btMultiBody& body ) = 0;
+	virtual void noteRemoval( btMultiBodyConstraint& joint ) = 0;
+	btAlignedObjectArray<btMultiBody*>& multiBodies() { return m_noBodies; }
+	btAlignedObjectArray<btMultiBodyConstraint*>& multiBodyJoints() { return m_noJoints; }
+
+private:
+	btAlignedObjectArray<btMultiBody*> m_noBodies;
+	btAlignedObjectArray<btMultiBodyConstraint*> m_noJoints;
+};
+
+template <class Base>
+class MultiBodiesOver<Base, std::enable_if_t<std::is_base_of_v<btMultiBodyDynamicsWorld, Base>>> : public Base
+{
+public:
+	void removeMultiBody( btMultiBody* body ) override
+	{
+		noteRemoval( *body );
+		Base::removeMultiBody( body );
+	}
+	void removeMultiBodyConstraint( btMultiBodyConstraint* joint ) override
+	{
+		noteRemoval( *joint );
+		Base::removeMultiBodyConstraint( joint );
+	}
+
+protected:
+	using Base::Base;
+	virtual void noteRemoval( btMultiBody& body ) = 0;
+	virtual void noteRemoval( btMultiBodyConstraint& joint ) = 0;
+	btAlignedObjectArray<btMultiBody*>& multiBodies() { return this->m_multiBodies; }
+	btAlignedObjectArray<btMultiBodyConstraint*>& multiBodyJoints() { return this->m_multiBodyConstraints; }
+};
+/// @endcond
+
 /// A world of class `Base`, which is btDiscreteDynamicsWorld or derived from it, that holds soft bodies too. SoftBodyHost declares the
 /// calls beyond Bullet's own.
 template <class Base>
-class SoftBodyWorldOver : public Base, public SoftBodyHost, private BulletStages
+class SoftBodyWorldOver : public MultiBodiesOver<Base>, public SoftBodyHost, private BulletStages
 {
 	static_assert(
 		std::is_base_of_v<btDiscreteDynamicsWorld, Base>, "Soft bodies need a btDiscreteDynamicsWorld or a class derived from it" );
@@ -29,15 +70,17 @@ public:
 
 	/// Takes the arguments of Base's constructor.
 	template <class... Arguments>
-	explicit SoftBodyWorldOver( Arguments&&... arguments ) : Base( std::forward<Arguments>( arguments )... )
+	explicit SoftBodyWorldOver( Arguments&&... arguments ) : MultiBodiesOver<Base>( std::forward<Arguments>( arguments )... )
 	{
 		using Discrete = btDiscreteDynamicsWorld;
 		hostAttach( *this,
-			Parts{ *this, this->m_nonStaticRigidBodies, this->m_constraints, this->m_actions, this->m_predictiveManifolds,
-				this->m_collisionObjects, this->m_dispatcher1, this->m_islandManager, this->m_internalPreTickCallback,
-				this->m_internalTickCallback, this->m_localTime, this->m_fixedTimeStep, std::is_base_of_v<btDiscreteDynamicsWorldMt, Base>,
+			Parts{ *this, this->m_nonStaticRigidBodies, this->m_constraints, this->multiBodies(), this->multiBodyJoints(), this->m_actions,
+				this->m_predictiveManifolds, this->m_collisionObjects, this->m_dispatcher1, this->m_islandManager,
+				this->m_internalPreTickCallback, this->m_internalTickCallback, this->m_localTime, this->m_fixedTimeStep,
+				std::is_base_of_v<btDiscreteDynamicsWorldMt, Base>,
 				!std::is_same_v<decltype( &Probe::internalSingleStepSimulation ), void ( Discrete::* )( btScalar )>,
-				!std::is_same_v<decltype( &Probe::calculateSimulationIslands ), void ( Discrete::* )()> } );
+				!std::is_same_v<decltype( &Probe::calculateSimulationIslands ), void ( Discrete::* )()> &&
+					!std::is_same_v<decltype( &Probe::calculateSimulationIslands ), void ( btMultiBodyDynamicsWorld::* )()> } );
 	}
 	~SoftBodyWorldOver() override { hostDetach(); }
 
@@ -207,30 +250,8 @@ private:
 	void baseAdd( btCollisionObject* object, int group, int mask ) final { Base::addCollisionObject( object, group, mask ); }
 	void baseRemove( btCollisionObject* object ) final { Base::removeCollisionObject( object ); }
 	void baseSerialize( btSerializer* serializer ) final { Base::serialize( serializer ); }
-	btMultiBody* multiBody( int index ) final { return multiBodyOf( *this, index, 0 ); }
-	btMultiBodyConstraint* multiBodyJoint( int index ) final { return multiBodyJointOf( *this, index, 0 ); }
-
-	// Of btMultiBodyDynamicsWorld and what derives from it; the second ones of all other bases.
-	template <class World>
-	static auto multiBodyOf( World& world, int index, int ) -> decltype( world.getMultiBody( index ) )
-	{
-		return index < world.getNumMultibodies() ? world.getMultiBody( index ) : nullptr;
-	}
-	template <class World>
-	static btMultiBody* multiBodyOf( World&, int, long )
-	{
-		return nullptr;
-	}
-	template <class World>
-	static auto multiBodyJointOf( World& world, int index, int ) -> decltype( world.getMultiBodyConstraint( index ) )
-	{
-		return index < world.getNumMultiBodyConstraints() ? world.getMultiBodyConstraint( index ) : nullptr;
-	}
-	template <class World>
-	static btMultiBodyConstraint* multiBodyJointOf( World&, int, long )
-	{
-		return nullptr;
-	}
+	void noteRemoval( btMultiBody& body ) final { hostForget( body ); }
+	void noteRemoval( btMultiBodyConstraint& joint ) final { hostForget( joint ); }
 };
 
 } // namespace pliant

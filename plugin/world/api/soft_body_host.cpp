@@ -224,6 +224,16 @@ void SoftBodyHost::hostForget( btTypedConstraint& joint )
 	m_step->forget( joint );
 }
 
+void SoftBodyHost::hostForget( btMultiBody& body )
+{
+	m_step->forget( body );
+}
+
+void SoftBodyHost::hostForget( btMultiBodyConstraint& joint )
+{
+	m_step->forget( joint );
+}
+
 void SoftBodyHost::hostDrawPins()
 {
 	if ( btIDebugDraw* const drawer = m_step->world().getDebugDrawer() )

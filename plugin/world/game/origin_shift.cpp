@@ -123,27 +123,25 @@ void shiftPivot( btMultiBodyConstraint& joint, const btVector3& by )
 	}
 }
 
-void shiftMultiBodies( BulletStages& stages, const btVector3& by )
+void shiftMultiBody( btMultiBody& body, const btVector3& by )
 {
-	for ( int k = 0; btMultiBody* const body = stages.multiBody( k ); ++k )
+	const btVector3 interpolated = body.getInterpolateBasePos();
+	body.setBasePos( body.getBasePos() + by );
+	body.setInterpolateBaseWorldTransform( btTransform( body.getInterpolateWorldToBaseRot().inverse(), interpolated + by ) );
+	for ( int link = 0; link < body.getNumLinks(); ++link )
 	{
-		const btVector3 interpolated = body->getInterpolateBasePos();
-		body->setBasePos( body->getBasePos() + by );
-		body->setInterpolateBaseWorldTransform( btTransform( body->getInterpolateWorldToBaseRot().inverse(), interpolated + by ) );
-		for ( int link = 0; link < body->getNumLinks(); ++link )
-		{
-			body->getLink( link ).m_cachedWorldTransform.getOrigin() += by;
-		}
+		body.getLink( link ).m_cachedWorldTransform.getOrigin() += by;
 	}
-	for ( int k = 0; btMultiBodyConstraint* const joint = stages.multiBodyJoint( k ); ++k )
+}
+
+void shiftMultiBodyJoint( btMultiBodyConstraint& joint, const btVector3& by )
+{
+	switch ( joint.getConstraintType() )
 	{
-		switch ( joint->getConstraintType() )
-		{
-			case MULTIBODY_CONSTRAINT_POINT_TO_POINT: shiftPivot<btMultiBodyPoint2Point>( *joint, by ); break;
-			case MULTIBODY_CONSTRAINT_SLIDER: shiftPivot<btMultiBodySliderConstraint>( *joint, by ); break;
-			case MULTIBODY_CONSTRAINT_FIXED: shiftPivot<btMultiBodyFixedConstraint>( *joint, by ); break;
-			default: break;
-		}
+		case MULTIBODY_CONSTRAINT_POINT_TO_POINT: shiftPivot<btMultiBodyPoint2Point>( joint, by ); break;
+		case MULTIBODY_CONSTRAINT_SLIDER: shiftPivot<btMultiBodySliderConstraint>( joint, by ); break;
+		case MULTIBODY_CONSTRAINT_FIXED: shiftPivot<btMultiBodyFixedConstraint>( joint, by ); break;
+		default: break;
 	}
 }
 
@@ -223,7 +221,14 @@ Status WorldStep::shiftOrigin( const btVector3& by )
 				shiftObject( *objects[k], by );
 			}
 		}
-		shiftMultiBodies( m_stages, by );
+		for ( int k = 0; k < m_parts.multiBodies.size(); ++k )
+		{
+			shiftMultiBody( *m_parts.multiBodies[k], by );
+		}
+		for ( int k = 0; k < m_parts.multiBodyJoints.size(); ++k )
+		{
+			shiftMultiBodyJoint( *m_parts.multiBodyJoints[k], by );
+		}
 		for ( int k = 0; k < m_parts.constraints.size(); ++k )
 		{
 			shiftJoint( *m_parts.constraints[k], by );

@@ -3,7 +3,40 @@
 #include "body/rigid_state.h"
 #include "world/bodies/soft_body_impl.h"
 
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
+
 namespace pliant {
+
+namespace {
+
+/// The velocities that the base and the joints between it and the link give the link, from their motions as of the last game step.
+ObjectMotion motionOfLink( const btMultiBodyLinkCollider& link )
+{
+	const btMultiBody& body = *link.m_multiBody;
+	ObjectMotion motion{ body.getBasePos(), body.getBaseVel(), body.getBaseOmega() };
+	const btVector3 centre = link.getWorldTransform().getOrigin();
+	motion.velocity = motion.at( centre );
+	motion.centre = centre;
+	for ( int k = link.m_link; k >= 0; k = body.getParent( k ) )
+	{
+		// Velocities of the link's frame by its joint, in its own axes: omega = sum top q', v = sum bottom q'
+		const btMultibodyLink& joint = body.getLink( k );
+		const btScalar* const rates = body.getJointVelMultiDof( k );
+		btVector3 omega( 0, 0, 0 ), v( 0, 0, 0 );
+		for ( int axis = 0; axis < joint.m_dofCount; ++axis )
+		{
+			omega += rates[axis] * joint.getAxisTop( axis );
+			v += rates[axis] * joint.getAxisBottom( axis );
+		}
+		const btTransform& frame = joint.m_cachedWorldTransform;
+		const btVector3 turn = frame.getBasis() * omega;
+		motion.angularVelocity += turn;
+		motion.velocity += frame.getBasis() * v + turn.cross( centre - frame.getOrigin() );
+	}
+	return motion;
+}
+
+} // namespace
 
 ObjectMotion motionOf( const btCollisionObject& object )
 {
@@ -17,6 +50,10 @@ ObjectMotion motionOf( const btCollisionObject& object )
 		}
 		return state ? ObjectMotion{ toBt( state->motion.centre ), toBt( state->motion.velocity ), toBt( state->motion.angularVelocity ) }
 					 : ObjectMotion{ soft->massCentre(), soft->linearVelocity(), soft->angularVelocity() };
+	}
+	if ( const btMultiBodyLinkCollider* const link = btMultiBodyLinkCollider::upcast( &object ) )
+	{
+		return link->isActive() ? motionOfLink( *link ) : ObjectMotion{ object.getWorldTransform().getOrigin(), zero, zero };
 	}
 	const btRigidBody* const rigid = btRigidBody::upcast( &object );
 	const bool moves = rigid && !rigid->isStaticObject() && rigid->isActive();

@@ -17,7 +17,7 @@ struct ObjectMotion
 	btVector3 at( const btVector3& point ) const { return velocity + angularVelocity.cross( point - centre ); }
 };
 
-/// Of a deformable body: sums over its nodes. Objects that sleep do not move.
+/// Of a deformable body: sums over its nodes; of a multibody's link: from its joints. Objects that sleep do not move.
 ObjectMotion motionOf( const btCollisionObject& object );
 /// The largest velocity that an object's rotation gives to one of its points, m/s.
 btScalar fastestTurn( const btCollisionObject& object, const ObjectMotion& motion );

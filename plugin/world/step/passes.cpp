@@ -9,6 +9,7 @@
 #include "world/step/swept_box.h"
 
 #include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
+#include <BulletDynamics/Featherstone/btMultiBodyConstraint.h>
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
@@ -92,6 +93,10 @@ void WorldStep::beginPass( StepPass pass )
 		const btRigidBody &a = joint.getRigidBodyA(), &b = joint.getRigidBodyB();
 		return bodies.group.contains( a ) || bodies.group.contains( b ) ? pass == StepPass::Substeps : pass == StepPass::Whole;
 	} );
+	m_multiBodies.hide( m_parts.multiBodies, [&]( const btMultiBody& body ) { return bodies.group.moves( pass, body ); } );
+	m_multiBodyJoints.hide( m_parts.multiBodyJoints, [&]( btMultiBodyConstraint& joint ) {
+		return bodies.group.moves( pass, *joint.getMultiBodyA() ); // the second one may be a rigid body
+	} );
 }
 
 void WorldStep::endPass()
@@ -100,6 +105,8 @@ void WorldStep::endPass()
 	{
 		m_rigid.restore( m_parts.rigidBodies );
 		m_joints.restore( m_parts.constraints );
+		m_multiBodies.restore( m_parts.multiBodies );
+		m_multiBodyJoints.restore( m_parts.multiBodyJoints );
 	}
 }
 
@@ -198,7 +205,7 @@ void WorldStep::detectPass()
 		&pairs, m_parts.dispatcher, m_parts.world.getDispatchInfo() );
 }
 
-// btDiscreteDynamicsWorld::calculateSimulationIslands, for the objects of the pass.
+// The worlds' calculateSimulationIslands, for the objects of the pass.
 void WorldStep::findPassIslands()
 {
 	BT_PROFILE( "calculateSimulationIslands" );
@@ -219,6 +226,22 @@ void WorldStep::findPassIslands()
 		if ( m_parts.constraints[i]->isEnabled() )
 		{
 			unite( &m_parts.constraints[i]->getRigidBodyA(), &m_parts.constraints[i]->getRigidBodyB() );
+		}
+	}
+	for ( int i = 0; i < m_parts.multiBodies.size(); ++i )
+	{
+		const btCollisionObject* previous = nullptr;
+		forEachCollider( *m_parts.multiBodies[i], [&]( const btCollisionObject& link ) {
+			unite( previous, &link );
+			previous = isDynamic( link ) ? &link : previous;
+		} );
+	}
+	for ( int i = 0; i < m_parts.multiBodyJoints.size(); ++i )
+	{
+		const int a = m_parts.multiBodyJoints[i]->getIslandIdA(), b = m_parts.multiBodyJoints[i]->getIslandIdB();
+		if ( std::min( a, b ) >= 0 && std::max( a, b ) < islands.getUnionFind().getNumElements() ) // else of an object outside the pass
+		{
+			islands.getUnionFind().unite( a, b );
 		}
 	}
 	islands.storeIslandActivationState( &m_parts.world );

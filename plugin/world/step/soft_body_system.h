@@ -4,6 +4,7 @@
 
 #include "pliant/game/debug_draw.h"
 #include "pliant/soft_body.h"
+#include "pliant/soft_body_host.h"
 #include "pliant/step_report.h"
 #include "pliant/task_runner.h"
 #include "world/block/block_solve.h"
@@ -73,9 +74,8 @@ public:
 	void hideRigidProxies( btDispatcher& dispatcher );
 
 	/// Chooses the objects that take soft substeps in a game step of this length. Returns the number of substeps: the user's, or more if
-	/// the stiffest awake material needs them; 1 if no body takes substeps. `canSplit`: if false, either all objects take substeps or none.
-	int planSubsteps( btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid,
-		const btAlignedObjectArray<btTypedConstraint*>& constraints, bool canSplit );
+	/// the stiffest awake material needs them; 1 if no body takes substeps.
+	int planSubsteps( btScalar gameStep, const BulletStages::Parts& parts );
 	SubstepGroup group;
 
 	void wakeDriven(); ///< sleeping bodies whose pins move

@@ -5,10 +5,12 @@
 #include "world/constants.h"
 #include "world/joints/attachments.h"
 #include "world/joints/frames.h"
+#include "world/step/object_motion.h"
 #include "world/step/swept_box.h"
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
+#include <BulletDynamics/Featherstone/btMultiBodyConstraint.h>
 
 #include <algorithm>
 
@@ -27,6 +29,25 @@ bool SubstepGroup::isMember( const std::vector<unsigned char>& flags, const btCo
 	const SoftBody* const owner = ownerOfContactProxy( &object );
 	const int index = owner ? static_cast<const btCollisionObject*>( owner )->getWorldArrayIndex() : object.getWorldArrayIndex();
 	return index >= 0 && index < int( flags.size() ) && flags[std::size_t( index )] != 0;
+}
+
+bool SubstepGroup::contains( const btMultiBody& body ) const
+{
+	bool isIn = false;
+	forEachCollider( body, [&]( const btCollisionObject& link ) { isIn = isIn || contains( link ); } );
+	return isIn;
+}
+
+bool SubstepGroup::moves( StepPass pass, const btMultiBody& body ) const
+{
+	return !m_isSplit || contains( body ) == ( pass == StepPass::Substeps );
+}
+
+bool SubstepGroup::include( const btMultiBody& body )
+{
+	bool isNew = false;
+	forEachCollider( body, [&]( const btCollisionObject& link ) { isNew = include( link ) || isNew; } );
+	return isNew;
 }
 
 void SubstepGroup::add( const btCollisionObject& object )
@@ -125,6 +146,15 @@ void SubstepGroup::includeNearby( const Scene& scene, const std::vector<SoftBody
 			include( body );
 		}
 	}
+	for ( int i = 0; i < scene.multiBodies.size(); ++i )
+	{
+		forEachCollider( *scene.multiBodies[i], [&]( const btCollisionObject& link ) {
+			if ( canMove( link ) && !contains( link ) && isNear( SweptBox::of( link, motionOf( link ), gameStep ) ) )
+			{
+				include( link );
+			}
+		} );
+	}
 	for ( const SoftBody* body : scene.soft )
 	{
 		if ( canMove( *body ) && !contains( *body ) && isNear( SweptBox::of( *body, scene.world.getGravity(), gameStep ) ) )
@@ -206,6 +236,18 @@ bool SubstepGroup::includeJoined( const Scene& scene )
 			isChanged = include( contains( a ) ? b : a ) || isChanged;
 		}
 	}
+	for ( int i = 0; i < scene.multiBodies.size(); ++i )
+	{
+		isChanged = ( contains( *scene.multiBodies[i] ) && include( *scene.multiBodies[i] ) ) || isChanged;
+	}
+	for ( int i = 0; i < scene.multiBodyJoints.size(); ++i )
+	{
+		const btMultiBody *const a = scene.multiBodyJoints[i]->getMultiBodyA(), *const b = scene.multiBodyJoints[i]->getMultiBodyB();
+		if ( a && b && contains( *a ) != contains( *b ) )
+		{
+			isChanged = include( contains( *a ) ? *b : *a ) || isChanged;
+		}
+	}
 	const auto includeBoth = [&]( const btCollisionObject& a, const btCollisionObject& b ) {
 		if ( contains( a ) != contains( b ) )
 		{
@@ -232,6 +274,11 @@ int SubstepGroup::rigidCount( const Scene& scene ) const
 	for ( int i = 0; i < scene.rigid.size(); ++i )
 	{
 		count += scene.rigid[i]->isActive() && contains( *scene.rigid[i] ) ? 1 : 0;
+	}
+	for ( int i = 0; i < scene.multiBodies.size(); ++i )
+	{
+		forEachCollider(
+			*scene.multiBodies[i], [&]( const btCollisionObject& link ) { count += link.isActive() && contains( link ) ? 1 : 0; } );
 	}
 	return count;
 }

@@ -6,12 +6,15 @@
 
 #include "world/shape/contact_proxy.h"
 
+#include <BulletDynamics/Featherstone/btMultiBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <LinearMath/btAlignedObjectArray.h>
 
 #include <vector>
 
 class btCollisionWorld;
 class btDiscreteDynamicsWorld;
+class btMultiBodyConstraint;
 class btTypedConstraint;
 
 namespace pliant {
@@ -27,6 +30,20 @@ class Archive;
 class Attachments;
 class Frames;
 
+/// Calls visit( link ) for the links of a multibody that have a shape, its base first.
+template <class Visit>
+void forEachCollider( const btMultiBody& body, const Visit& visit )
+{
+	for ( int link = -1; link < body.getNumLinks(); ++link )
+	{
+		const btMultiBodyLinkCollider* const collider = link < 0 ? body.getBaseCollider() : body.getLink( link ).m_collider;
+		if ( collider )
+		{
+			visit( *collider );
+		}
+	}
+}
+
 class SubstepGroup
 {
 public:
@@ -40,6 +57,8 @@ public:
 		const std::vector<SoftBody*>& soft;
 		const btAlignedObjectArray<btRigidBody*>& rigid; ///< without static ones
 		const btAlignedObjectArray<btTypedConstraint*>& constraints;
+		const btAlignedObjectArray<btMultiBody*>& multiBodies;
+		const btAlignedObjectArray<btMultiBodyConstraint*>& multiBodyJoints;
 		const Attachments& attachments;
 		const Frames& frames;
 		bool canSplit; ///< false: the group has all movable objects or none
@@ -51,7 +70,7 @@ public:
 	/// step counts; endChoice() is called after it.
 	void choose( const Scene& scene, const std::vector<SoftBody*>& substepped, btScalar gameStep );
 	void endChoice() { m_joinedTags.clear(); }
-	/// Number of awake rigid bodies in the group.
+	/// Number of awake rigid bodies and links of multibodies in the group.
 	int rigidCount( const Scene& scene ) const;
 	bool isEmpty() const { return m_isEmpty; }
 	/// Whether there are awake objects outside a group that is not empty.
@@ -67,6 +86,9 @@ public:
 		return !m_isSplit || contains( object ) == ( pass == StepPass::Substeps );
 	}
 
+	/// The same of a multibody, whose links are in the group all together.
+	bool moves( StepPass pass, const btMultiBody& body ) const;
+
 	/// Adds a fragment that separated from a body of the group during the step.
 	void add( const btCollisionObject& object );
 	/// Call before the world removes an object: Bullet then gives the last object its index.
@@ -81,6 +103,8 @@ public:
 private:
 	static bool isMember( const std::vector<unsigned char>& flags, const btCollisionObject& object );
 	bool include( const btCollisionObject& object );
+	bool include( const btMultiBody& body );
+	bool contains( const btMultiBody& body ) const;
 	void includeNearby( const Scene& scene, const std::vector<SoftBody*>& substepped, btScalar gameStep );
 	bool includeSoftNear( const Scene& scene, btScalar gameStep );
 	void includeIslands( const Scene& scene );

@@ -10,9 +10,9 @@
 
 namespace pliant {
 
-int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid,
-	const btAlignedObjectArray<btTypedConstraint*>& constraints, bool canSplit )
+int SoftBodySystem::planSubsteps( btScalar gameStep, const BulletStages::Parts& parts )
 {
+	const bool canSplit = !parts.hasOwnSingleStep && !parts.hasOwnIslands;
 	// The user's number of substeps is per 1/60 s; a longer step gets proportionally more, so that behaviour does not depend on the frame
 	// rate.
 	const int nominal = int( std::ceil( double( substeps ) * gameStep / kNominalStep - 1e-3 ) );
@@ -20,7 +20,8 @@ int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<
 	m_choice.choose( m_bodies, m_world, gameStep, usual );
 	noteLandings( gameStep, usual, canSplit );
 	int count = listSubstepped( gameStep, usual );
-	const SubstepGroup::Scene scene{ m_world, m_bodies, rigid, constraints, attachments, frames, canSplit };
+	const SubstepGroup::Scene scene{
+		m_world, m_bodies, parts.rigidBodies, parts.constraints, parts.multiBodies, parts.multiBodyJoints, attachments, frames, canSplit };
 	group.beginStep();
 	group.choose( scene, m_substepped, gameStep );
 	if ( isGroupTooLarge( scene, count ) )

@@ -2,6 +2,7 @@
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
+#include "world/step/object_motion.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -10,10 +11,16 @@ namespace pliant {
 
 SweptBox SweptBox::of( const btRigidBody& body, btScalar step )
 {
+	const btVector3 velocity = body.getLinearVelocity() + step * body.getInvMass() * body.getTotalForce();
+	return of( body, ObjectMotion{ body.getCenterOfMassPosition(), velocity, body.getAngularVelocity() }, step );
+}
+
+SweptBox SweptBox::of( const btCollisionObject& object, const ObjectMotion& motion, btScalar step )
+{
 	SweptBox box;
-	body.getCollisionShape()->getAabb( body.getWorldTransform(), box.low, box.high );
-	const btScalar turned = step * body.getAngularVelocity().length() * ( box.high - box.low ).length() / 2;
-	box.include( step * ( body.getLinearVelocity() + step * body.getInvMass() * body.getTotalForce() ) );
+	object.getCollisionShape()->getAabb( object.getWorldTransform(), box.low, box.high );
+	const btScalar turned = step * motion.angularVelocity.length() * ( box.high - box.low ).length() / 2;
+	box.include( step * motion.velocity );
 	box.grow( turned + gContactBreakingThreshold );
 	return box;
 }
@@ -93,7 +100,7 @@ SweptBox broadphaseBoxOf( const btCollisionObject& object, const btVector3& grav
 	}
 	else
 	{
-		object.getCollisionShape()->getAabb( object.getWorldTransform(), box.low, box.high );
+		box = SweptBox::of( object, motionOf( object ), gameStep );
 	}
 	box.grow( gContactBreakingThreshold + kSweepMargin * ( box.high - box.low ).length() );
 	return box;

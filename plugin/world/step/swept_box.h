@@ -10,13 +10,16 @@ class btRigidBody;
 namespace pliant {
 
 class SoftBody;
+struct ObjectMotion;
 
 struct SweptBox
 {
 	btVector3 low, high; ///< m
 
-	/// What a rigid body may sweep within a step of `step` seconds, from its velocities and the changes by gravity and forces.
+	/// Bounds of a rigid body's motion within `step`, s, from its velocities and the changes by gravity and forces.
 	static SweptBox of( const btRigidBody& body, btScalar step );
+	/// Of any object, from its motion alone.
+	static SweptBox of( const btCollisionObject& object, const ObjectMotion& motion, btScalar step );
 	static SweptBox of( const SoftBody& body, const btVector3& gravity, btScalar step );
 	/// The bounds of the displacements of a soft body's nodes.
 	static SweptBox displacementsOf( const SoftBody& body, const btVector3& gravity, btScalar step );
@@ -40,7 +43,7 @@ struct SweptBox
 	bool overlaps( const SweptBox& other ) const { return TestAabbAgainstAabb2( low, high, other.low, other.high ); }
 };
 
-/// What a soft body's nodes may sweep within a step.
+/// Bounds of the motion of a soft body's nodes within a step.
 class SweptNodes
 {
 public:

@@ -100,9 +100,8 @@ void WorldStep::singleStep( btScalar timeStep )
 		bodies.wakeDriven();
 		bodies.deformLoaded( timeStep );
 	}
+	const int substeps = bodies.planSubsteps( timeStep, m_parts ); // which wakes what will be hit
 	m_isStepping = bodies.hasAwakeBody();
-	const bool canSplit = !m_parts.hasOwnSingleStep && !m_parts.hasOwnIslands;
-	const int substeps = bodies.planSubsteps( timeStep, m_parts.rigidBodies, m_parts.constraints, canSplit );
 	bodies.beginStep( timeStep, substeps );
 	bodies.report.total = preparation;
 	{

@@ -46,6 +46,8 @@ public:
 	void remove( btCollisionObject* object );
 	void forget( btRigidBody& body );
 	void forget( btTypedConstraint& joint );
+	void forget( btMultiBody& body ) { m_multiBodies.forget( &body ); }
+	void forget( btMultiBodyConstraint& joint ) { m_multiBodyJoints.forget( &joint ); }
 
 	void serialize( btSerializer& serializer );
 	Status shiftOrigin( const btVector3& by );
@@ -75,6 +77,8 @@ private:
 	ManifoldView m_view;              ///< the manifolds of a pass
 	PassObjects<btRigidBody> m_rigid; ///< the world's full arrays, while a pass sees a part of them
 	PassObjects<btTypedConstraint> m_joints;
+	PassObjects<btMultiBody> m_multiBodies;
+	PassObjects<btMultiBodyConstraint> m_multiBodyJoints;
 	OutsideObjects m_outside;
 	StepImpulses m_impulses;
 	LostContacts m_lostContacts;
