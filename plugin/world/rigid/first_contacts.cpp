@@ -94,8 +94,9 @@ void addNodeContacts( const btBroadphasePair& pair, SoftBody& soft, NodeSearch& 
 	result.setShapeIdentifiersB( -1, -1 );
 	SoftBody::Impl& impl = soft.impl();
 	impl.placeNodes();
-	const bool isFirst = &first == &soft;
-	for ( const NodeHit& hit : search.againstRigid( soft, isFirst ? two : one, double( info.m_timeStep ) ) )
+	// Bullet's algorithms may name the two bodies of a manifold in the other order than the pair.
+	const bool isFirst = manifolds[touching]->getBody0() == &soft;
+	for ( const NodeHit& hit : search.againstRigid( soft, &first == &soft ? two : one, double( info.m_timeStep ) ) )
 	{
 		const btScalar radius = impl.shape->sphereOfNode( hit.node() )->getRadius();
 		const btVector3 centre = impl.position( hit.node() );
