@@ -174,7 +174,10 @@ Status SoftBody::applyImpulse( const btVector3& impulse, int node )
 		NodeState& nodes = m_impl->body->nodes();
 		const Vec3 velocity = nodes.v.get( node ) + ( nodes.freedom[node] / nodes.mass[node] ) * toVec3( impulse );
 		checkVelocity( velocity, "applyImpulse", isFinite( impulse ) );
-		const double more = nodes.mass[node] * ( velocity.cast<double>().squaredNorm() - nodes.v.get( node ).cast<double>().squaredNorm() );
+		m_impl->system ? m_impl->system->deformNow( *this ) : void();
+		const Vec3d before = nodes.v.get( node ).cast<double>(), now = velocity.cast<double>();
+		const double more = nodes.mass[node] * ( now.squaredNorm() - before.squaredNorm() );
+		m_impl->elasticity.blow += nodes.mass[node] * ( now - before ).squaredNorm() / m_impl->mass;
 		nodes.v.set( node, velocity );
 		if ( m_impl->rigidProxy )
 		{

@@ -40,6 +40,7 @@ struct ElasticityState
 	double calmTime = 0.0;    ///< time since the implicit step was last needed, s
 	double load = 0.0;        ///< on its touched nodes, in units of their own weight, smoothed
 	double landingTime = 0.0; ///< that a landing of an implicit body still takes, s; 0: none
+	double blow = 0.0;        ///< mean square of the changes of its nodes' velocities by impulses since the last step, (m/s)^2
 
 	// Of the current game step.
 	bool checksLoads = false; ///< its stiffness alone does not need the implicit step

@@ -182,12 +182,16 @@ void apply( const Push& push )
 {
 	if ( SoftBody* const soft = asSoftBody( push.object ) )
 	{
-		NodeState& nodes = soft->impl().body->nodes();
+		SoftBody::Impl& impl = soft->impl();
+		impl.system->deformNow( *soft );
+		NodeState& nodes = impl.body->nodes();
 		for ( int i = 0; i < nodes.count; ++i )
 		{
-			nodes.v.set( i, nodes.v.get( i ) + push.nodes[std::size_t( i )] );
+			const Vec3& change = push.nodes[std::size_t( i )];
+			impl.elasticity.blow += double( nodes.mass[i] * change.squaredNorm() ) / impl.mass;
+			nodes.v.set( i, nodes.v.get( i ) + change );
 		}
-		soft->impl().followVelocities();
+		impl.followVelocities();
 		soft->activate( true );
 		return;
 	}

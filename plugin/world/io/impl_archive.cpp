@@ -13,8 +13,8 @@ namespace pliant {
 
 void archive( Archive& archive, ElasticityState& state )
 {
-	auto& [isImplicit, calmTime, load, landingTime, checksLoads, needsImplicit, rolling, heaviestLoad, impulse, nodeMass] = state;
-	archive( isImplicit, calmTime, load, landingTime, checksLoads, needsImplicit, rolling, heaviestLoad, impulse, nodeMass );
+	auto& [isImplicit, calmTime, load, landingTime, blow, checksLoads, needsImplicit, rolling, heaviestLoad, impulse, nodeMass] = state;
+	archive( isImplicit, calmTime, load, landingTime, blow, checksLoads, needsImplicit, rolling, heaviestLoad, impulse, nodeMass );
 }
 
 void archive( Archive& archive, SeparatedPair& pair )

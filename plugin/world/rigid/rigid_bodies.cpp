@@ -145,6 +145,15 @@ void SoftBodySystem::deform( SoftBody& body )
 	body.impl().becomeDeformable( body );
 }
 
+void SoftBodySystem::deformNow( SoftBody& body )
+{
+	if ( body.impl().rigidProxy && !body.impl().isScenery && !isBusy() )
+	{
+		deform( body );
+		removeContacts( body );
+	}
+}
+
 // Contacts that end wake both sides, as those of objects that are removed. This body stays where it is for now: objects that are awake keep
 // the time for which they have been at rest, and so does the body. Those that sleep do wake: it may be about to fall.
 void SoftBodySystem::removeContacts( SoftBody& body )

@@ -176,6 +176,12 @@ double leastBreaking( const SoftBody& body )
 	return canMove && canRefine ? std::min( core.weakestBreakStrain() * soundVelocity( body ), double( SIMD_INFINITY ) ) : SIMD_INFINITY;
 }
 
+/// The time for which an impact on a body is resolved, s.
+double landingDuration( const SoftBody& body, btScalar gameStep )
+{
+	return kLandingCrossings * double( gameStep ) / travelOfSound( body, double( gameStep ) );
+}
+
 btScalar speedOf( const btCollisionObject& object )
 {
 	if ( !object.isActive() || object.isStaticObject() || !object.getBroadphaseHandle() )
@@ -299,7 +305,7 @@ bool SoftBodySystem::isSmallImpact( const btCollisionObject& a, const btCollisio
 void SoftBodySystem::noteImpact( SoftBody& body, btCollisionObject& other, btScalar gameStep, int usual )
 {
 	ElasticityState& state = body.impl().elasticity;
-	const double duration = kLandingCrossings * double( gameStep ) / travelOfSound( body, double( gameStep ) );
+	const double duration = landingDuration( body, gameStep );
 	const double slowest = leastLanding( body, double( gameStep ), usual ), breaking = leastBreaking( body );
 	const bool mayLand = slowest < SIMD_INFINITY && state.landingTime <= duration && isSmallImpact( body, other );
 	const bool mayBreak = breaking < SIMD_INFINITY;
@@ -340,6 +346,11 @@ void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
 		const double slowest = canSplit ? leastLanding( *body, double( gameStep ), usual ) : SIMD_INFINITY;
 		ElasticityState& state = body->impl().elasticity;
 		state.landingTime = slowest < SIMD_INFINITY ? std::max( 0.0, state.landingTime - double( gameStep ) ) : 0.0;
+		if ( slowest < SIMD_INFINITY && state.blow > slowest * slowest )
+		{
+			state.landingTime = std::max( state.landingTime, landingDuration( *body, gameStep ) );
+		}
+		state.blow = 0.0;
 		const double rolling = state.landingTime == 0.0 ? rollingOf( *body ) : 0.0;
 		const bool maySubstep = slowest < SIMD_INFINITY && state.landingTime == 0.0;
 		state.rolling = maySubstep ? std::max( rolling, rollingOn( *body ) ) : 0.0;

@@ -67,6 +67,8 @@ public:
 	void makeRigid( btScalar gameStep );
 	/// A body leaves its rigid state. Its contacts must be removed afterwards.
 	void deform( SoftBody& body );
+	/// Between steps: a body in its rigid state leaves it at once, so that its nodes take impulses one by one.
+	void deformNow( SoftBody& body );
 	/// After a body's shape was replaced.
 	void removeContacts( SoftBody& body );
 	/// Around Bullet's solver: manifolds refer to the rigid proxies of bodies in their rigid state.

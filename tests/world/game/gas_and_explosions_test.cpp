@@ -8,6 +8,7 @@
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 namespace pliant::test {
@@ -135,6 +136,66 @@ TEST( Explosions, WakeWhatTheyPushAndLeaveHeldNodes )
 	EXPECT_EQ( cube->nodeVelocity( 0 ).length(), 0 );
 	cube->setCollisionFlags( cube->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT );
 	EXPECT_EQ( t.world.explode( Explosion{ btVector3( -1, 0.5f, 0 ), 5, 100, 1, false } ).value, 0 );
+}
+
+/// Links that break within half a second after a blow on a free cube of 4e6 Pa that breaks at a strain of .03.
+template <class Blow>
+int linksBrokenBy( Elasticity elasticity, float rigidStrain, const Blow& blow )
+{
+	Space t;
+	Material material = of( elasticity, 1000, 4e6f );
+	material.rigidStrain = rigidStrain;
+	SoftBody* const cube = t.addSoft( block( 8, 8, 8, 0.125f ), at( 0, 0, 0 ), material );
+	Fracture brittle;
+	brittle.rule = BreakRule::Plane;
+	brittle.breakStrain = 0.03f;
+	EXPECT_TRUE( cube->setFracture( brittle ).ok() );
+	t.run( 30 );
+	EXPECT_EQ( cube->isRigid(), rigidStrain > 0.0f );
+	blow( t, *cube );
+	int links = 0;
+	for ( int frame = 0; frame < 30; ++frame )
+	{
+		t.run( 1 );
+		for ( const FractureEvent& event : t.world.fractureEvents() )
+		{
+			links += event.links;
+		}
+	}
+	return links;
+}
+
+// A step of a sixtieth damped the blast away before the implicit cube could break, and a body in its rigid state took it as a whole.
+TEST( Explosions, BreakBodiesInBothStepsAndInTheirRigidState )
+{
+	const auto explode = []( Space& t, SoftBody& ) {
+		EXPECT_EQ( t.world.explode( Explosion{ btVector3( -1, 0, 0 ), 10, 20000, 1, false } ).value, 1 );
+	};
+	const int links = linksBrokenBy( Elasticity::Explicit, 0, explode );
+	EXPECT_GT( links, 100 );
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		for ( const float rigidStrain : { 0.0f, 0.01f } )
+		{
+			const int broken = linksBrokenBy( elasticity, rigidStrain, explode );
+			std::printf( "elasticity %d, rigid strain %g: %d links\n", int( elasticity ), double( rigidStrain ), broken );
+			EXPECT_GT( broken, links / 4 );
+		}
+	}
+}
+
+TEST( Explosions, ImpulsesOnNodesDeformABodyInItsRigidState )
+{
+	Space t;
+	Material material = of( Elasticity::Explicit, 1000, 4e6f );
+	material.rigidStrain = 0.01f;
+	SoftBody* const cube = t.addSoft( block( 4, 4, 4, 0.25f ), at( 0, 0, 0 ), material );
+	t.run( 30 );
+	ASSERT_TRUE( cube->isRigid() );
+	ASSERT_TRUE( cube->applyImpulse( btVector3( 100, 0, 0 ), 0 ).ok() );
+	EXPECT_FALSE( cube->isRigid() );
+	EXPECT_NEAR( double( cube->nodeVelocity( 0 ).x() ), 100.0 / double( cube->nodeMass( 0 ) ), 1e-3 );
+	EXPECT_EQ( cube->nodeVelocity( 1 ).x(), btScalar( 0 ) );
 }
 
 TEST( Explosions, BadSettingsAndWhatIsTooFastAreRefused )
