@@ -235,11 +235,12 @@ Complaints checkConstants( const SourceTree& tree )
 Complaints checkStages( const SourceTree& tree )
 {
 	// Calls of the stages: stages of the soft bodies, stages of Bullet's world, and corrections around Bullet's solver.
-	static const std::vector<std::string> kStages = { "bodies.accelerate", "bodies.dropPredictiveContacts", "bodies.holdPredictiveContacts",
-		"bodies.collideWithThemselves", "bodies.endCollision", "bodies.releaseRefusedPairs", "m_moved.moveToNodes", "m_rolling.hide",
-		"bodies.solveImplicit", "bodies.giveFrames", "bodies.readFrames", "m_stages.baseSolve", "bodies.noteSolved", "m_moved.moveBack",
-		"bodies.wakeTouched", "m_rolling.apply", "m_impulses.add", "m_stages.baseIntegrate", "bodies.holdBack", "bodies.integrate",
-		"bodies.testLinks", "m_stages.baseUpdateActivation", "bodies.updateActivation", "bodies.endStep" };
+	static const std::vector<std::string> kStages = { "bodies.accelerate", "bodies.wakeHit", "bodies.dropPredictiveContacts",
+		"bodies.holdPredictiveContacts", "bodies.collideWithThemselves", "bodies.endCollision", "bodies.releaseRefusedPairs",
+		"m_moved.moveToNodes", "m_rolling.hide", "bodies.solveImplicit", "bodies.giveFrames", "bodies.readFrames", "m_stages.baseSolve",
+		"bodies.noteSolved", "m_moved.moveBack", "bodies.wakeTouched", "m_rolling.apply", "m_impulses.add", "m_stages.baseIntegrate",
+		"bodies.holdBack", "bodies.integrate", "bodies.testLinks", "m_stages.baseUpdateActivation", "bodies.updateActivation",
+		"bodies.endStep" };
 	static const std::set<std::string> kAlsoAtTheEnd = { "bodies.dropPredictiveContacts" }; // of the world
 	const std::string order = "plugin/world/step/world_step.cpp";
 	Complaints complaints;

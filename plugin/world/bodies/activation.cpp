@@ -195,6 +195,30 @@ void SoftBodySystem::updateActivation( btScalar h )
 	}
 }
 
+// Bullet's islands would wake it while they are solved. It would then have no equations in this pass, and the impulses that its contact
+// proxies receive would be lost.
+bool SoftBodySystem::wakeHit()
+{
+	bool isAny = false;
+	for ( SoftBody* body : m_bodies )
+	{
+		SoftBody::Impl& impl = body->impl();
+		if ( impl.isHit && body->getActivationState() == ISLAND_SLEEPING && !impl.rigidProxy && isInPass( *body ) )
+		{
+			body->activate();
+			impl.isImplicit = false; // its elasticity starts with the next substep
+			impl.body->joinAtRest();
+			isAny = true;
+		}
+		impl.isHit = false;
+	}
+	if ( isAny )
+	{
+		gatherAwake();
+	}
+	return isAny;
+}
+
 void SoftBodySystem::wakeTouched()
 {
 	for ( SoftBody* body : m_bodies )

@@ -168,6 +168,7 @@ struct SoftBody::Impl
 	double slowTime = 0.0;            ///< time since it was last faster than kAllowanceCalm, s
 	double restTime = 0.0;            ///< time since it was last faster than after a fall over its largest node, s
 	bool isBroken = false;            ///< the last substep produced a number that is not finite
+	bool isHit = false;               ///< asleep, and something awake touches it in this pass
 	SoftBodySystem* system = nullptr; ///< of the world the body is in
 
 	StiffnessPlan plan;

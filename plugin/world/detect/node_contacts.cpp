@@ -15,6 +15,15 @@ namespace pliant {
 
 namespace {
 
+/// Notes whether a sleeping body is touched by an object that keeps its island awake.
+void noteHit( SoftBody& body, const btCollisionObject& other )
+{
+	const int state = other.getActivationState();
+	const bool isAwake = !other.isStaticOrKinematicObject() && ( state == ACTIVE_TAG || state == DISABLE_DEACTIVATION );
+	body.impl().isHit = body.impl().isHit ||
+		( isAwake && body.getActivationState() == ISLAND_SLEEPING && body.hasContactResponse() && other.hasContactResponse() );
+}
+
 /// Above the key of any contact.
 constexpr std::uint64_t kAllKeys = ~std::uint64_t( 0 );
 
@@ -153,6 +162,11 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 	otherSoft ? void() : notePressed( *soft, step );
 	std::vector<NodeHit>& hits = otherSoft ? m_scratch.search.againstSoft( *soft, *otherSoft, step )
 										   : m_scratch.search.againstRigid( *soft, other, step );
+	if ( !hits.empty() )
+	{
+		noteHit( *soft, *other.getCollisionObject() );
+		otherSoft ? noteHit( *otherSoft, *soft ) : void();
+	}
 	m_parting.follow( *soft, *other.getCollisionObject(), otherSoft, m_isNew, step, hits );
 	m_isNew = false;
 	matchHits( Pair{ soft, otherSoft, otherSoft ? nullptr : other.getCollisionObject(), soft == soft0 }, hits );

@@ -255,6 +255,7 @@ void WorldStep::detect()
 	{
 		detectWhole();
 		bodies.releaseRefusedPairs();
+		m_isStepping = bodies.wakeHit();
 		return;
 	}
 	Stopwatch watch( bodies.report.collision );
@@ -281,6 +282,7 @@ void WorldStep::detect()
 	}
 	bodies.collideWithThemselves( h );
 	bodies.endCollision( h );
+	bodies.wakeHit();
 	bodies.releaseRefusedPairs(); // before manifolds are listed
 }
 

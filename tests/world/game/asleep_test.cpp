@@ -8,6 +8,9 @@
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <LinearMath/btIDebugDraw.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace pliant::test {
 
 namespace {
@@ -116,6 +119,41 @@ TEST( ChangedAsleep, APinHoldsAndAReleasedNodeFalls )
 	}
 	t.run( 30 );
 	EXPECT_LT( cube->linearVelocity().y(), -2 );
+}
+
+// Bullet woke the body while its islands were solved. Its nodes then had no equations, and the impulses that they received were lost: a
+// ball of 100 kg lost 3 to 6 % of its momentum, one of 1 kg 23 to 76 %.
+TEST( HitAsleep, BodiesTakeTheMomentumOfWhatHitsThem )
+{
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		for ( const double mass : { 1.0, 100.0 } )
+		{
+			for ( const double speed : { 0.05, 1.0, 10.0 } )
+			{
+				TestWorld t;
+				t.world.setGravity( btVector3( 0, 0, 0 ) );
+				Material material = stiff( 1e5f );
+				material.elasticity = elasticity;
+				const SoftBody* const cube = t.addSoft( block( 10, 10, 10, 0.1f ), at( 0, 0, 0 ), material );
+				t.run( 300 );
+				ASSERT_FALSE( cube->isActive() );
+				btRigidBody* const ball = t.add( btScalar( mass ), new btSphereShape( btScalar( 0.2 ) ), at( 0, btScalar( 0.75 ), 0 ) );
+				ball->setLinearVelocity( btVector3( 0, btScalar( -speed ), 0 ) );
+				ball->setActivationState( DISABLE_DEACTIVATION );
+				const double before = -mass * speed;
+				double lost = 0.0;
+				for ( int frame = 0; frame < 10 + int( 6.0 / speed ); ++frame )
+				{
+					t.run( 1 );
+					const double now = mass * double( ball->getLinearVelocity().y() ) + double( cube->mass() * cube->linearVelocity().y() );
+					lost = std::max( lost, std::abs( now / before - 1.0 ) );
+				}
+				EXPECT_GT( double( ball->getLinearVelocity().y() ), -0.99 * speed ) << "it has not hit";
+				EXPECT_LT( lost, 1e-3 ) << mass << " kg at " << speed << " m/s, elasticity " << int( elasticity );
+			}
+		}
+	}
 }
 
 TEST( ChangedAsleep, AFilterThatLeavesOutTheFloorLetsItFall )
