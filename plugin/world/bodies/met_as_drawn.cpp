@@ -26,6 +26,18 @@ bool areMetAsDrawn( const SoftBody::Impl& a, const SoftBody::Impl& b )
 	return &a != &b && isOne( a ) && isOne( b );
 }
 
+/// How wide a shape is where it may slip between spheres, m: of a convex one the width of a post, or kSmallThing times the thickness of a
+/// wall where that is less; of others the largest extent.
+btScalar slipExtent( const btCollisionShape& shape )
+{
+	btVector3 low, high;
+	shape.getAabb( btTransform::getIdentity(), low, high );
+	const btVector3 extents = high - low;
+	const btScalar least = extents[extents.minAxis()], most = extents[extents.maxAxis()];
+	const btScalar middle = extents.x() + extents.y() + extents.z() - least - most;
+	return shape.isConvex() ? btMin( middle, btScalar( kSmallThing ) * least ) : most;
+}
+
 } // namespace
 
 bool SoftBody::Impl::isMetAsDrawn() const
@@ -47,7 +59,7 @@ bool SoftBody::Impl::isMetAsDrawnBy( const btCollisionObject& other ) const
 	}
 	const int levels = body->levels() ? body->levels()->settings().coarseLevels : 0;
 	const bool meetsIt = bodyTemplate->settings().contactSurface || !other.isStaticOrKinematicObject() ||
-		double( largestExtent( *other.getCollisionShape() ) ) < kSmallThing * std::ldexp( double( body->lattice().cellSize ), levels );
+		double( slipExtent( *other.getCollisionShape() ) ) < kSmallThing * std::ldexp( double( body->lattice().cellSize ), levels );
 	return meetsIt && hasPatches( *this );
 }
 

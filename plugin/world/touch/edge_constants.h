@@ -4,7 +4,8 @@
 
 namespace pliant {
 
-/// Static and kinematic objects smaller than this, cells, touch the drawn surface as those that move do: larger ones meet many spheres.
+/// Static and kinematic objects that are narrower than this, cells, touch the drawn surface as those that move do: larger ones
+/// meet many spheres.
 inline constexpr double kSmallThing = 3.0;
 /// Objects smaller than this, cells, touch faces at edges: larger ones rest on the nodes' spheres there, and are not braked by the rims of
 /// faces as they slide over an edge.

@@ -188,11 +188,11 @@ MovingSphere movingSphere( const SoftBody& soft, int node )
 
 TEST_P( SphereRowsOf, AnObjectFindTheNodesThatItMeets )
 {
-	// So large that they meet the spheres and not the drawn surface.
-	btBoxShape box( btVector3( btScalar( 0.65 ), btScalar( 0.2 ), btScalar( 0.25 ) ) );
+	// So wide that they meet the spheres and not the drawn surface.
+	btBoxShape box( btVector3( btScalar( 0.65 ), btScalar( 0.21 ), btScalar( 0.62 ) ) );
 	btSphereShape ball( btScalar( 0.62 ) );
-	btCapsuleShape capsule( btScalar( 0.15 ), btScalar( 0.95 ) );
-	btCylinderShape cylinder( btVector3( btScalar( 0.62 ), btScalar( 0.2 ), btScalar( 0.62 ) ) );
+	btCapsuleShape capsule( btScalar( 0.62 ), btScalar( 0.35 ) );
+	btCylinderShape cylinder( btVector3( btScalar( 0.62 ), btScalar( 0.21 ), btScalar( 0.62 ) ) );
 	std::size_t all = 0;
 	NodeSearch search;
 	for ( btCollisionShape* const shape : std::initializer_list<btCollisionShape*>{ &box, &ball, &capsule, &cylinder } )
