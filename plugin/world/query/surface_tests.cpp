@@ -1,6 +1,7 @@
 #include "world/query/surface_tests.h"
 
 #include "world/bodies/soft_body_impl.h"
+#include "world/query/query_constants.h"
 #include "world/query/surface_shape.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
@@ -66,8 +67,13 @@ struct TriangleResult : btManifoldResult
 		const bool isSwapped = m_manifoldPtr->getBody0() != m_body0Wrap->getCollisionObject();
 		btVector3 outwards = isSwapped ? normalOnB : -normalOnB;
 		const btVector3 point = isSwapped ? pointOnB : pointOnB + depth * normalOnB;
-		if ( outwards.dot( m_outwards ) < 0 && m_tested.convex() )
+		const btScalar cosine = outwards.dot( m_outwards );
+		if ( cosine < 0 && m_tested.convex() )
 		{
+			if ( cosine > -kBehindCosine )
+			{
+				return; // touches an edge of the triangle from beside: the neighbour at that edge has the contact
+			}
 			outwards = m_outwards;
 			depth = m_tested.heightOver( point, outwards );
 		}

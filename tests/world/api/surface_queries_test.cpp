@@ -289,6 +289,30 @@ TEST( SurfaceQueries, ContactTestsSeeSmallThings )
 	EXPECT_EQ( none.count, 0 );
 }
 
+// Triangles of the sides touch a plate above the top face with an edge. Their contacts had the plate's width for a depth: a default cube on
+// a floor of 20 m was 10.25 m deep, and a plate 1 cm above a cube 1.28 m.
+TEST( SurfaceQueries, ContactTestsGiveTheDepthOfWhatIsWiderThanAFace )
+{
+	TestWorld t;
+	const SoftBody* const soft = t.addSoft( made( test::makeBox( { -0.5, -0.5, -0.5 }, { 0.5, 0.5, 0.5 } ) ), at( 0, 0, 0 ) );
+	btBoxShape plate( btVector3( 1, btScalar( 0.1 ), 1 ) );
+	btCylinderShape disc( btVector3( 3, btScalar( 0.1 ), 3 ) );
+	for ( btCollisionShape* const shape : { static_cast<btCollisionShape*>( &plate ), static_cast<btCollisionShape*>( &disc ) } )
+	{
+		btCollisionObject probe;
+		probe.setCollisionShape( shape );
+		for ( const double gap : { -0.02, -0.005, 0.005 } )
+		{
+			probe.setWorldTransform( at( btScalar( 0.1 ), btScalar( 0.6 + gap ), btScalar( 0.07 ) ) );
+			Contacts found( *soft );
+			t.world.contactPairTest( const_cast<SoftBody*>( soft ), &probe, found );
+			EXPECT_GT( found.count, 0 ) << gap;
+			EXPECT_NEAR( found.deepest, gap, 3e-3 ) << "shape " << shape->getShapeType();
+			EXPECT_GT( found.outwards.y(), 0.99 ) << gap;
+		}
+	}
+}
+
 // Against objects without a convex shape: a plane, a mesh, a compound, another soft body.
 TEST( SurfaceQueries, ContactTestsKnowAllShapes )
 {
