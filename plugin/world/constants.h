@@ -167,6 +167,9 @@ inline constexpr double kBounceSlack = 1e-4;
 // The implicit step's contacts (docs/design/implicit.md says how each was found).
 /// A contact's stiffness in units of its nodes' own resistance.
 inline constexpr double kContactStiffness = 10.0;
+/// Impulse on a rigid body over this velocity, m/s, is the mass that its contact is as stiff as, if that is more than its own: the weight
+/// of an object at rest gives its own mass at 1/60 s.
+inline constexpr double kLoadVelocity = 0.16;
 /// Below this velocity a contact that has just begun to slide counts as sticking, m/s; a sticking contact creeps by less in every substep.
 inline constexpr double kSlipSpeed = 5e-3;
 

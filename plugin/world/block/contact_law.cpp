@@ -173,15 +173,18 @@ void IslandBlock::chooseStiffness()
 			least = side.soft < 0 ? least : std::min( least, double( soft[std::size_t( side.soft )].motion->diagonal( side.node ) ) );
 		}
 		// A marble has a thousandth of the resistance of a stiff body's nodes. With k from the nodes the iteration's final error would be
-		// as large as the marble's weight.
+		// as large as the marble's weight. One that carries much more than itself needs more: pressed with little, it would give
+		// way for several steps, and be thrown.
 		const bool hasNode = contact.side[0].soft >= 0 || contact.side[1].soft >= 0;
 		for ( const ContactSide& side : contact.side )
 		{
 			const RigidPart* const part = side.rigid < 0 ? nullptr : &rigid[std::size_t( side.rigid )];
 			// A body on joints resists with more than its mass.
 			const bool isJointed = part && part->linked >= 0 && linked[std::size_t( part->linked )].joints;
-			least = ( hasNode && !contact.isDrawn && !contact.isAttachment() ) || !part || isJointed ? least
-																									 : std::min( least, part->mass );
+			if ( part && !isJointed && !( hasNode && !contact.isDrawn && !contact.isAttachment() ) )
+			{
+				least = std::min( least, std::max( part->mass, contact.normalImpulse / kLoadVelocity ) );
+			}
 		}
 		contact.stiffness = ( contact.hasExplicitSide ? kExplicitAttachmentStiffness : kContactStiffness ) * least;
 		contact.normalMultiplier = contact.normalImpulse;
