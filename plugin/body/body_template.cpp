@@ -322,11 +322,6 @@ std::shared_ptr<const std::vector<float>> BodyTemplate::restTangents() const
 	return data.tangents;
 }
 
-const float* BodyTemplate::inputPositions() const
-{
-	return dataOrNull( m_data->positions );
-}
-
 const LatticeSettings& BodyTemplate::settings() const
 {
 	return m_data->settings;

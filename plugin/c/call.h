@@ -45,7 +45,7 @@ inline void rejectIf( bool isBad, pliant_result code, const char* sentence )
 template <class... P>
 void requirePointers( P... pointers )
 {
-	rejectIf( ( ( pointers == nullptr ) || ... ), PLIANT_BAD_ARGUMENT, "A pointer is null that must not be." );
+	rejectIf( ( ( pointers == nullptr ) || ... ), PLIANT_BAD_ARGUMENT, "A required pointer is null." );
 }
 
 /// Runs a call's work, which returns nothing, a Status or the result of another call.
@@ -126,7 +126,7 @@ template <class T>
 void requireSize( std::uint32_t size )
 {
 	rejectIf( size < kFirstSize<T> || size > sizeof( T ), PLIANT_BAD_ARGUMENT,
-		"The size of a structure is none that this version knows: call its _init function, pass its sizeof." );
+		"Unknown structure size: initialise the structure by its _init function, and pass its sizeof." );
 }
 
 /// Rejects what `writeSized` cannot write.

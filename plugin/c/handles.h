@@ -1,6 +1,6 @@
 #pragma once
 
-// What the handles of the C face point to, and how identities lead to objects.
+// The objects behind the handles of the C face, and their lookup by identity.
 //
 // A soft body's identity is twice its serial number in its world: that is in order of joining, part of snapshots, and found by bisection.
 // All other objects have odd identities, given when they are made or first seen.

@@ -98,7 +98,7 @@ OutcomeOf<Work&> attempt( Work&& work )
 	}
 }
 
-/// What is said where a template or a mesh cannot be made.
+/// The sentence of OutOfMemory where a template or a mesh cannot be built.
 inline constexpr const char* kNoMemoryToBuild = "Not enough memory to build the body; a larger LatticeSettings::cellSize needs less.";
 
 inline Status outOfMemory( const char* sentence ) noexcept

@@ -57,7 +57,7 @@ inline double volumeEnergy( double size )
 	return std::abs( size ) < 1.0 ? 0.5 * size * size : std::abs( size ) - 0.5;
 }
 
-/// What a region's fit gives: R, F, the matrix that R is fitted to, R C^T, J^+, J before plastic flow and the number of directions with
+/// Result of a region's fit: R, F, the matrix that R is fitted to, R C^T, J^+, J before plastic flow and the number of directions with
 /// extent.
 struct VolumeFit
 {

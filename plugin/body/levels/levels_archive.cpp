@@ -19,7 +19,7 @@ Cut Levels::readCut( Archive& archive, const Octree& octree, std::vector<std::ui
 	return cut;
 }
 
-// What the last review found is applied in the same substep, and rows are skipped only within one: both are empty between substeps. Loads
+// The last review's result is applied in the same substep, and rows are skipped only within one: both are empty between substeps. Loads
 // are measured before each review.
 void Levels::archive( Archive& archive )
 {

@@ -163,8 +163,6 @@ public:
 	/// Tangents at rest, 4 floats per vertex: the input's, or made of the texture coordinates at the first call; callable from several
 	/// threads. Null where the input had neither.
 	std::shared_ptr<const std::vector<float>> restTangents() const;
-	/// 3 floats per vertex, mesh coordinates, m; null with Skinning::None.
-	const float* inputPositions() const;
 	/// As the template was built, without pointers of the game.
 	const LatticeSettings& settings() const;
 	/// The skin's tables for the GPU, made at the first call; callable from several threads.

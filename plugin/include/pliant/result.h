@@ -24,8 +24,8 @@ enum class ResultCode : int
 	TooManyCells,     ///< more cells than LatticeSettings::maxCells
 	OutOfMemory,      ///< memory did not suffice; nothing has changed
 	Cancelled,        ///< the progress callback returned false
-	BadSettings, ///< a value of LatticeSettings, CrackSettings, Adaptivity, Fracture or AttachmentSettings is out of its range, or does
-				 ///< not go with the material
+	BadSettings, ///< a value of a settings structure (LatticeSettings, Fracture, Wind and others) is out of its range, or does not go with
+				 ///< the material
 	BadMaterial, ///< a value of Material is out of its range, or does not go with another one or with the body
 	BadArgument, ///< any other argument is invalid (a number, an index, a pointer, a field), or this build lacks a feature (build.h)
 	/// The surface is folded so often within its bounding box that no cell size separates its layers; or, with Shell::Never, it is so

@@ -185,7 +185,7 @@ public:
 	Status setGas( const Gas& gas );
 	/// The gas last set; GasLaw::None when there was none.
 	[[nodiscard]] Gas gas() const;
-	/// The pressure above that outside in a cavity in the last step, Pa; 0 for a cavity that is not there. Cavities count from 0.
+	/// Gauge pressure of a cavity in the last step, Pa; 0 for a cavity that does not exist. Cavities count from 0.
 	[[nodiscard]] btScalar gasPressure( int cavity = 0 ) const;
 	/// The volume of a cavity with gas, m^3; 0 for a cavity that is not there. Not during a step.
 	[[nodiscard]] btScalar gasVolume( int cavity = 0 ) const;

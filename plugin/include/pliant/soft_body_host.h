@@ -62,7 +62,7 @@ public:
 		btScalar &localTime, &fixedStep; ///< s, that stepSimulation carries over to the next call
 		bool hasIslandManagerMt;         ///< islandManager is a btSimulationIslandManagerMt
 		bool hasOwnSingleStep;           ///< the base replaces btDiscreteDynamicsWorld::internalSingleStepSimulation
-		bool hasOwnIslands;              ///< the base replaces btDiscreteDynamicsWorld::calculateSimulationIslands
+		bool hasOwnIslands;              ///< the base replaces Bullet's calculateSimulationIslands
 	};
 
 	// The stages as the game's class has them. h in s.
@@ -237,7 +237,7 @@ protected:
 	/// At the start of the world's destructor: soft bodies leave, fragments that the game has not taken are deleted.
 	void hostDetach();
 
-	/// Nothing of a step is ours: the world's overrides call Bullet's stages and nothing else.
+	/// True while the world has no soft body and no force field: the overrides call Bullet's stages only.
 	bool isPlain() const { return *m_isPlain; }
 	// Implementation of the world's overrides of Bullet's calls; world/step/world_step.cpp is the order of a step.
 	void singleStep( btScalar timeStep );

@@ -1,6 +1,6 @@
 #pragma once
 
-// The world class to swap in for btDiscreteDynamicsWorld. Without a soft body in it, it is that world, bit for bit. For Bullet's other
+// Drop-in replacement for btDiscreteDynamicsWorld. Without a soft body in it, it is that world, bit for bit. For Bullet's other
 // worlds see soft_body_world_over.h.
 
 #include "pliant/soft_body_world_over.h"

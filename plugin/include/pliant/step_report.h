@@ -12,9 +12,9 @@ class SoftBody;
 struct StepReport
 {
 	double forces = 0;        ///< forces and gravity
-	double matching = 0;      ///< shape matching, and the implicit solution
+	double matching = 0;      ///< shape matching, and the block solver: the implicit step and the contacts of deformable bodies
 	double collision = 0;     ///< search for contacts of all objects, rigid ones too
-	double solve = 0;         ///< Bullet's solver, for all objects
+	double solve = 0;         ///< Bullet's solver: joints, and contacts without a deformable body
 	double integrate = 0;     ///< positions from velocities, and the guard of fast nodes
 	double skinning = 0;      ///< skins computed since the step before (SoftBody::surface)
 	double levels = 0;        ///< changes of levels of detail

@@ -330,8 +330,8 @@ void apply( const MatchView& view, int begin, int end )
 			load( view.x[0] + i ) - view.pivot[0], load( view.x[1] + i ) - view.pivot[1], load( view.x[2] + i ) - view.pivot[2] };
 		const Vec turn = cross( { splat( view.turn[0] ), splat( view.turn[1] ), splat( view.turn[2] ) }, arm );
 		const V freedom = load( view.freedom + i );
-		const V change[3] = { ( y.x * view.speedPerCell - view.shift[0] ) - turn.x, ( y.y * view.speedPerCell - view.shift[1] ) - turn.y,
-			( y.z * view.speedPerCell - view.shift[2] ) - turn.z };
+		const V change[3] = { ( y.x * view.velocityPerCell - view.shift[0] ) - turn.x,
+			( y.y * view.velocityPerCell - view.shift[1] ) - turn.y, ( y.z * view.velocityPerCell - view.shift[2] ) - turn.z };
 		for ( int k = 0; k < 3; ++k )
 		{
 			const V v = load( view.v[k] + i );

@@ -96,8 +96,8 @@ struct MatchView
 	float beta = 0.0f;
 	bool rotationFromF = false;
 
-	// Conversion of the change in `apply`, world axes: y_w = speedPerCell R_b y - wobbleFraction v - shift - turn x (x - pivot).
-	float speedPerCell = 0.0f; ///< d / h
+	// Conversion of the change in `apply`, world axes: y_w = velocityPerCell R_b y - wobbleFraction v - shift - turn x (x - pivot).
+	float velocityPerCell = 0.0f; ///< d / h
 	float wobbleFraction = 0.0f;
 	float shift[3] = {}; ///< m/s
 	float turn[3] = {};  ///< rad/s

@@ -258,13 +258,11 @@ void LatticeMatcher::gatherAndFit( MatchView& view, const MatchStep& step, TaskR
 
 void LatticeMatcher::settleOpenRegions( const MatchView& view )
 {
-	m_openRegions = 0;
 	for ( int chunk = 0; chunk < int( m_openCount.size() ); ++chunk )
 	{
 		for ( int k = 0; k < m_openCount[chunk]; ++k )
 		{
 			settleRegion( m_kernels, view, int( m_open[chunk * kChunk + k] ) );
-			++m_openRegions;
 		}
 	}
 }
@@ -284,7 +282,7 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 	v.bodyFraction = step.bodyFraction;
 	v.dampingFraction = dampingFraction( double( step.damping ), double( step.h ), double( step.alpha ), double( m_volumeFraction ) );
 	v.wobbleFraction = float( step.wobbleFraction( double( step.wobbleDamping ) ) );
-	v.speedPerCell = m_cellSize / step.h;
+	v.velocityPerCell = m_cellSize / step.h;
 	v.mostVolumeResponse = step.mostVolumeResponse;
 	if ( !step.storesVolumeGradients )
 	{

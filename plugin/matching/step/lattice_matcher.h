@@ -91,8 +91,6 @@ public:
 	/// The kernels' view with body frame and step at their defaults; for benchmarks of single kernels.
 	MatchView view( NodeState& nodes );
 	bool usesBoxSums() const { return m_tables->usesGrid; }
-	/// Number of regions in the last step whose rotation needed the scalar path.
-	int openRegions() const { return m_openRegions; }
 
 private:
 	void measureFrame( const NodeState& nodes, MatchView& view, TaskRunner* runner );
@@ -156,8 +154,7 @@ private:
 	std::vector<NodeMotion> m_nodeMotion;                             ///< scratch of workOf
 	std::vector<std::uint8_t> m_neededNodeTiles, m_neededRegionTiles; ///< of each tile; scratch of offsetsOf and workOf
 	std::vector<std::array<float, kImpulseSums>> m_partial;           ///< one set of sums per chunk
-	int m_openRegions = 0;
-	bool m_isHistoryForeign = false; ///< the last residuals are those of other regions: no damping by them
+	bool m_isHistoryForeign = false;                                  ///< the last residuals are those of other regions: no damping by them
 };
 
 } // namespace pliant

@@ -61,7 +61,7 @@ void LatticeMatcher::correctRigidMotion( MatchView& view, float h ) const
 	if ( m_keepsMomentum )
 	{
 		const Vec3d impulse = Vec3d::Map( sum );
-		shift += rotation * impulse / m_mass * view.speedPerCell;
+		shift += rotation * impulse / m_mass * view.velocityPerCell;
 		turn += rotation * ( inverseInertia * ( Vec3d::Map( sum + 3 ) - centre.cross( impulse ) ) ) / h;
 	}
 	const Vec3d momentum = Vec3d::Map( sum + 15 );
@@ -105,7 +105,7 @@ void LatticeMatcher::updateParts( const MatchView& view, bool isOnePart )
 // As correctRigidMotion and the kernel `apply` for a body in one part.
 void LatticeMatcher::applyToPart( const MatchView& view, const MatchStep& step, int part )
 {
-	const Eigen::Matrix3d perCell = m_frame.toRotationMatrix() * double( view.speedPerCell );
+	const Eigen::Matrix3d perCell = m_frame.toRotationMatrix() * double( view.velocityPerCell );
 	const Vec3d frame( double( view.frameCentre[0] ), double( view.frameCentre[1] ), double( view.frameCentre[2] ) );
 	// The lowest vibration frequency, for which the rate is meant, is inversely proportional to the length.
 	const double rate = double( step.wobbleDamping ) * double( step.wobbleLength ) / double( m_partLength[std::size_t( part )] );

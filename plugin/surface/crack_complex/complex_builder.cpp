@@ -323,7 +323,7 @@ private:
 		}
 	}
 
-	// // === Binding of points to cells ===
+	// === Binding of points to cells ===
 
 	void bindPoints( const SkinBinding& skin )
 	{

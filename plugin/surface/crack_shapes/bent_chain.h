@@ -1,6 +1,6 @@
 #pragma once
 
-// // Simplification of face borders: points that hardly bend the border are removed.
+// Simplification of face borders: points that hardly bend the border are removed.
 
 #include "surface/crack_shapes/crack_faces.h"
 

@@ -261,7 +261,7 @@ private:
 	std::uint64_t m_version = 1, m_listedVersion = 0; ///< version of the cracks, and version for which the placed vertices were listed
 	Change m_change;
 
-	// // Scratch kept between calls.
+	// Scratch kept between calls.
 	std::vector<SideVertex> m_sideVertex; ///< by point
 	std::uint32_t m_sideRound = 0;
 	std::vector<std::uint32_t> m_mark, m_frontier; ///< by local cell, and one for none; local cells

@@ -151,8 +151,7 @@ Status setPose( SoftBody& body, const btTransform* bones, int count, bool jumps 
 		insist( body.impl().checkTime( "setPose" ) );
 		const PoseFollower* const follower = body.impl().follower.get();
 		rejectIf( !follower || follower->model->boneCount == 0, "setPose", "the body follows no bones (followBones)." );
-		rejectIf(
-			!bones || count != follower->model->boneCount, "setPose", "it needs a transform for each bone that followBones was told of." );
+		rejectIf( !bones || count != follower->model->boneCount, "setPose", "it needs one transform for each bone given to followBones." );
 		for ( int k = 0; k < count; ++k )
 		{
 			rejectIf( !isFinite( bones[k] ), "setPose", "a transform is not finite." );

@@ -182,9 +182,9 @@ double slopOf( const BlockContact& contact, const btCollisionObject* const ( &ob
 	return slop;
 }
 
-/// Sets b, the target separation speed: before touch it closes the gap within the step, in penetration it pushes out, and with restitution
-/// it bounces off the velocity at the start of the substep (block_restitution.cpp). `approach`: approach speed without contacts and
-/// elasticity, m/s. `rollingLag`, m/s, is added. Penetrations to `slop`, m, remain.
+/// Sets b, the target separation velocity: before touch it closes the gap within the step, in penetration it pushes out, and with
+/// restitution it bounces off the velocity at the start of the substep (block_restitution.cpp). `approach`: approach velocity without
+/// contacts and elasticity, m/s. `rollingLag`, m/s, is added. Penetrations to `slop`, m, remain.
 void setTarget(
 	BlockContact& contact, const btContactSolverInfo& info, double approach, double rollingLag, double slop, IslandBlock& block )
 {

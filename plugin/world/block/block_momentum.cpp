@@ -84,7 +84,7 @@ void IslandBlock::restoreMomentum()
 	}
 	for ( std::size_t p = 0; p < parts; ++p )
 	{
-		// What no contact presses keeps its velocities of free flight where it steps explicitly.
+		// Explicit parts that no contact presses keep their velocities of free flight.
 		const SoftPart& part = soft[std::size_t( m_connected[p].soft )];
 		if ( part.motion->isHeld( m_connected[p].part ) || ( part.touched && !m_connected[p].isPressed ) )
 		{

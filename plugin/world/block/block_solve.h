@@ -1,7 +1,7 @@
 #pragma once
 
-// The implicit part of a substep: one block per island that has a body with Elasticity::Implicit, solved before Bullet's own solver, which
-// handles joints and the remaining rigid contacts. docs/design/implicit.md.
+// One block for each island that has a deformable body with contacts, attachments or the implicit step, solved before Bullet's own solver,
+// which handles joints and the remaining rigid contacts. docs/design/implicit.md.
 
 #include "world/block/block_contacts.h"
 #include "world/block/block_reach.h"

@@ -43,7 +43,7 @@ struct BlockContact
 	ContactSide side[2]; ///< the normal points from the second side to the first
 	Vec3d normal = Vec3d::Zero();
 	Vec3d velocityBefore = Vec3d::Zero(); ///< relative velocity at the start of the substep, m/s
-	double target = 0.0;                  ///< b: least separation speed required, m/s
+	double target = 0.0;                  ///< b: smallest required separation velocity, m/s
 	double targetWithoutBounce = 0.0;     ///< b without restitution, m/s
 	double friction = 0.0;                ///< mu
 	double restitution = 0.0;             ///< of a body that bounces as rigid, until it separates
@@ -136,7 +136,7 @@ public:
 	std::vector<BlockContact> contacts;
 	/// S of anisotropic friction: jt = S ( scaledMultiplier - kt ut ), symmetric, with the normal in its null space.
 	std::vector<Eigen::Matrix3d> frictionScales;
-	double bounceThreshold = 0.0; ///< approach speed from which a body rebounds, m/s
+	double bounceThreshold = 0.0; ///< approach velocity from which on a body rebounds, m/s
 
 	/// Computes the velocities of nodes and rigid parts and the contact impulses at the end of the substep.
 	BlockCount solve( TaskRunner* runner );

@@ -28,7 +28,7 @@ inline Status refused( const char* call, const std::string& why )
 }
 
 /// The sentence of a refused call from a force field.
-inline constexpr const char* kInField = "force fields are being called, which may ask the world but not change it.";
+inline constexpr const char* kInField = "force fields are being evaluated; they may query the world but not change it.";
 
 /// Returns ok for a rotation and a translation to a position that Bullet can represent.
 Status checkTransform( const btTransform& transform, const char* call );

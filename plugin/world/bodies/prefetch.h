@@ -46,12 +46,6 @@ inline void prefetchIdentity( const btCollisionObject& object )
 	prefetch( reinterpret_cast<const char*>( &object.getAnisotropicFriction() ) + kToShape, kCacheLine );
 }
 
-/// Prefetches the same members, the anisotropic friction and the type.
-inline void prefetchAll( const btCollisionObject& object )
-{
-	prefetch( &object.getAnisotropicFriction(), 2 * kCacheLine - 2 * sizeof( btScalar ) );
-}
-
 /// Writes a vector with a single store: a wide load soon after several narrow stores stalls until they have reached memory.
 inline void setWhole( btVector3& to, btScalar x, btScalar y, btScalar z )
 {

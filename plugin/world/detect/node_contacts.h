@@ -1,6 +1,6 @@
 #pragma once
 
-// Contacts of a soft body: one manifold per touching node, between its contact proxy and the other object, for Bullet's own solver.
+// Contacts of a soft body: one manifold per touching node, between its contact proxy and the other object.
 
 #include "world/respond/parting.h"
 #include "world/search/node_search.h"

@@ -67,7 +67,7 @@ const char* problemOf( const Header& header, BytesView bytes, SnapshotKind kind 
 	}
 	if ( checksumOf( header, bytes.data + sizeof( Header ) ) != header.checksum )
 	{
-		return "The snapshot is damaged: its checksum is another.";
+		return "The snapshot is damaged: its checksum does not match.";
 	}
 	if ( header.kind != std::uint16_t( kind ) )
 	{

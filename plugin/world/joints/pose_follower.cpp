@@ -72,7 +72,8 @@ void PoseFollower::pull( Body& body, double h, int number, int count, const Vec3
 		{
 			continue;
 		}
-		const Vec3d away = sums.at / sums.mass - nodes.worldPosition( i ), speed = sums.displacement / ( sums.mass * h * double( count ) );
+		const Vec3d away = sums.at / sums.mass - nodes.worldPosition( i );
+		const Vec3d targetVelocity = sums.displacement / ( sums.mass * h * double( count ) );
 		double gain = kMostPoseGain;
 		Vec3d velocity = away / h;
 		if ( std::isfinite( model->frequency ) )
@@ -80,7 +81,7 @@ void PoseFollower::pull( Body& body, double h, int number, int count, const Vec3
 			const double rate = h * model->frequency * std::sqrt( stiffness ), spring = rate * rate,
 						 damper = 2.0 * model->dampingRatio * rate;
 			gain = std::min( spring + damper, kMostPoseGain );
-			velocity = ( spring * velocity + damper * speed ) / ( spring + damper );
+			velocity = ( spring * velocity + damper * targetVelocity ) / ( spring + damper );
 		}
 		const double reach = sums.reach / sums.mass / blend;
 		const Vec3d free = ( nodes.v.get( i ) + float( h ) * gravity ).cast<double>();

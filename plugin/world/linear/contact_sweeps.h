@@ -21,7 +21,7 @@ public:
 	using Vec = Eigen::Vector4d;
 	using Matrix = Eigen::Matrix<double, 4, 3>;
 
-	/// What an impulse does to a rigid body.
+	/// Response of a rigid body to an impulse.
 	struct Rigid
 	{
 		Vec3d inverseMass = Vec3d::Zero();                        ///< by axis, 1/kg; 0: locked

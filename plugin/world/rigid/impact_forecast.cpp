@@ -1,5 +1,4 @@
-// What bodies in their rigid state meet: impacts that will deform them, which are found a step ahead, so that the body meets them
-// deformable.
+// Forecasts, one step ahead, impacts that would deform a body in its rigid state, so that it is deformable when they happen.
 
 #include "body/rigid_state.h"
 #include "world/bodies/obstacle_parts.h"

@@ -21,7 +21,6 @@ public:
 	RigidShape( const Body& body, const NodeShape& spheres );
 
 	btCollisionShape& shape() const { return m_compound ? *m_compound : static_cast<btCollisionShape&>( *m_hulls.front() ); }
-	int hullCount() const { return int( m_hulls.size() ); }
 
 private:
 	std::vector<std::unique_ptr<btConvexHullShape>> m_hulls;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The contact proxy through which Bullet's solver moves one node: a light rigid body that belongs to no world, created when the node is
+// The contact proxy that represents one node in Bullet's manifolds: a light rigid body that belongs to no world, created when the node is
 // first touched and returned to a pool when nothing touches it any more. A body of 20 000 nodes resting on 100 of them has 100 proxies.
 
 #include <BulletCollision/CollisionShapes/btSphereShape.h>

@@ -245,7 +245,7 @@ private:
 /// The velocity from which on a landing of the body is resolved by `usual` substeps, m/s; infinity where none is.
 double SoftBodySystem::leastLanding( const SoftBody& body, double gameStep, int usual ) const
 {
-	// Bodies that sleep too: what falls on them shall rebound.
+	// Sleeping bodies count too: objects that fall on them must rebound.
 	const bool canMove = body.isHealthy() && !body.isStaticOrKinematicObject() && !body.impl().rigidProxy;
 	if ( !canMove || body.impl().body->isInelastic() || !stepsImplicitly( body ) || resolvedFraction( body, gameStep / usual ) == 0.0 )
 	{
@@ -354,7 +354,7 @@ void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
 		const double rolling = state.landingTime == 0.0 ? rollingOf( *body ) : 0.0;
 		const bool maySubstep = slowest < SIMD_INFINITY && state.landingTime == 0.0;
 		state.rolling = maySubstep ? std::max( rolling, rollingOn( *body ) ) : 0.0;
-		// What wobble damping leaves of a vibration may break links.
+		// Vibrations that wobble damping leaves may break links.
 		body->impl().body->rollFreely( body->fracture().rule == BreakRule::Never ? rolling : 0.0 );
 		least = std::min( { least, slowest, leastBreaking( *body ) } );
 	}

@@ -70,7 +70,7 @@ struct Touch
 	Vec3d otherPoint( double radius ) const { return aside - ( ( reach < 0.0 ? 0.0 : reach - radius ) + distance ) * normal; }
 };
 
-/// What a patch must know of an obstacle.
+/// Properties of an obstacle that a test against a patch needs.
 struct PatchObstacle
 {
 	bool isSmall = false;  ///< smaller than kEdgeThing, so that several nodes must carry it

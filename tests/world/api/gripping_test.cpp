@@ -87,7 +87,7 @@ public:
 class Gripping : public ::testing::TestWithParam<Elasticity>
 {};
 
-// The ball used to slip from implicit fingers: the links of the fingers seemed to yield, because the resistance that their joints add was
+// The ball slipped from implicit fingers: the links of the fingers seemed to yield, because the resistance that their joints add was
 // estimated without the effect of the other links on the response to one link's impulse.
 TEST_P( Gripping, AnArmLiftsASoftBall )
 {

@@ -1,4 +1,4 @@
-// Large stiff bodies that bend used to take hundreds of products a step: what a product changes spreads by a region, and affine motions of
+// Large stiff bodies that bend took hundreds of products a step: what a product changes spreads by a region, and affine motions of
 // the whole body know nothing of its bending.
 
 #include "world/test_world.h"

@@ -40,7 +40,7 @@ SoftBody* addSlab( TestWorld& test, const Material& material )
 	return slab;
 }
 
-// It used to stay deformable, and took all its substeps as long as the weight lay on it.
+// It stayed deformable, and took all its substeps as long as the weight lay on it.
 TEST( RigidHeaps, ABodyRestsBentAndIsStraightWithoutItsLoad )
 {
 	TestWorld test;

@@ -219,7 +219,7 @@ TEST_P( RigidState, ObeysTheGame )
 	EXPECT_EQ( test.world.softBodyCount(), 2 );
 }
 
-// Fields and explosions used to change the nodes' velocities only, which the rigid motion then overwrote.
+// Fields and explosions changed the nodes' velocities only, which the rigid motion then overwrote.
 TEST_P( RigidState, FeelsFieldsAndBlasts )
 {
 	btScalar height[2], velocity[2];
@@ -286,7 +286,7 @@ TEST_P( RigidState, IsTheSameObjectToTheGame )
 	EXPECT_EQ( test.world.softBodyCount(), 0 );
 }
 
-// The contact used to end and begin again in events when hulls replaced the node spheres.
+// The contact ended and began again in events when hulls replaced the node spheres.
 TEST_P( RigidState, KeepsItsContactsInEvents )
 {
 	TestWorld test;

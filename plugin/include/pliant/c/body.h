@@ -37,7 +37,7 @@ typedef struct pliant_body_settings
 	uint64_t user_data;         ///< as pliant_object_set_user_data. Default 0.
 } pliant_body_settings;
 
-/// What a game asks of a soft body after a step, in one call.
+/// State of a soft body after a step, read by one call.
 typedef struct pliant_body_state
 {
 	uint32_t size;                ///< of the structure, bytes
@@ -101,7 +101,6 @@ PLIANT_API pliant_result pliant_body_create(
 	pliant_world* world, const pliant_template* from, const pliant_body_settings* settings, pliant_id* made );
 
 // --- what it is
-// ---------------------------------------------------------------------------------------------------------------------------
 /// Its state. `size`: sizeof( pliant_body_state ).
 PLIANT_API pliant_result pliant_body_get_state( const pliant_world* world, pliant_id body, pliant_body_state* state, uint32_t size );
 /// One node, 0 to nodes - 1. `size`: sizeof( pliant_node ).
@@ -119,7 +118,6 @@ PLIANT_API pliant_result pliant_body_get_nearest_node( const pliant_world* world
 PLIANT_API pliant_result pliant_body_get_surface( const pliant_world* world, pliant_id body, pliant_surface* surface, uint32_t size );
 
 // --- motion: PLIANT_BAD_ARGUMENT also where a node would be faster than 1e5 m/s along an axis
-// ------------------------------------------------
 /// Sets a rigid motion: velocity of the mass centre, m/s, and angular velocity, rad/s.
 PLIANT_API pliant_result pliant_body_set_velocity( pliant_world* world, pliant_id body, pliant_vec3 linear, pliant_vec3 angular );
 /// An impulse, N s, on a node, or with node -1 on all by mass.
@@ -141,7 +139,6 @@ PLIANT_API pliant_result pliant_body_reset( pliant_world* world, pliant_id body,
 PLIANT_API pliant_result pliant_body_set_scale( pliant_world* world, pliant_id body, double scale );
 
 // --- settings that can change at any time
-// ---------------------------------------------------------------------------------------------------
 /// Changes the material. Errors: PLIANT_BAD_MATERIAL, PLIANT_BAD_ARGUMENT.
 PLIANT_API pliant_result pliant_body_set_material( pliant_world* world, pliant_id body, const pliant_material* material );
 /// The material. `size`: sizeof( pliant_material ).
@@ -171,7 +168,6 @@ PLIANT_API pliant_result pliant_body_set_interpolation( pliant_world* world, pli
 PLIANT_API pliant_result pliant_body_set_kept( pliant_world* world, pliant_id body, int32_t is_kept );
 
 // --- cuts; parts separate in the next step. `links`: newly cut ones; may be null
-// --------------------------------------------------------------
 /// Cuts by a plane, `normal` of any length but 0, or by a disc of `radius` m about `point`; infinity: the whole plane.
 PLIANT_API pliant_result pliant_body_cut_plane(
 	pliant_world* world, pliant_id body, pliant_vec3 point, pliant_vec3 normal, double radius, int32_t* links );
@@ -183,7 +179,6 @@ PLIANT_API pliant_result pliant_body_cut_sweep( pliant_world* world, pliant_id b
 PLIANT_API pliant_result pliant_body_heal( pliant_world* world, pliant_id body, double reach, int32_t* links );
 
 // --- pins: nodes that forces do not move
-// ----------------------------------------------------------------------------------------------------
 /// Holds a node where it is.
 PLIANT_API pliant_result pliant_body_pin( pliant_world* world, pliant_id body, int32_t node );
 /// Makes a node follow a rigid body, which feels no force from it.
@@ -196,7 +191,6 @@ PLIANT_API pliant_result pliant_body_release( pliant_world* world, pliant_id bod
 PLIANT_API pliant_result pliant_body_pin_inside( pliant_world* world, pliant_id body, pliant_vec3 low, pliant_vec3 high, int32_t* pinned );
 
 // --- attachments: two bodies that pull on each other. `settings`: may be null; `made`: the attachment's number
-// ----------------------------------
 /// Attaches a node, where it is, to a rigid body.
 PLIANT_API pliant_result pliant_attach_node(
 	pliant_world* world, pliant_id body, int32_t node, pliant_id rigid, const pliant_attachment_settings* settings, int32_t* made );

@@ -47,7 +47,7 @@ enum
 {
 	PLIANT_GAS_NONE = 0, ///< none
 	PLIANT_GAS_CONSTANT, ///< always the same pressure
-	PLIANT_GAS_IDEAL     ///< the pressure at the volume of the moment of the call; at others that of an ideal gas
+	PLIANT_GAS_IDEAL     ///< isothermal ideal gas with the pressure at its volume when it was set
 };
 
 /// Fills wind with its defaults. `size`: sizeof( pliant_wind ).

@@ -1,6 +1,6 @@
 #pragma once
 
-// What all C headers share: results, identities, vectors, and how structures grow. Plain C99 and later, callable from any language with a
+// Common to all C headers: results, identities, vectors, and how structures grow. Plain C99 and later, callable from any language with a
 // foreign function interface; no type of C++ and none of Bullet's.
 //
 // - Every call that can be refused returns a pliant_result. A refused call changes nothing, and pliant_last_error has a sentence on it.

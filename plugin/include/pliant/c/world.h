@@ -19,16 +19,16 @@ typedef struct pliant_world_settings
 	int32_t max_soft_substeps; ///< that stiff materials may raise it to, 1 to 64; of 16 and more: in steps to 1/15 s. Default 16.
 } pliant_world_settings;
 
-/// Where one step's time went, and what it met: pliant::StepReport.
+/// Times and counts of one step: pliant::StepReport.
 typedef struct pliant_step_report
 {
 	uint32_t size;                 ///< of the structure, bytes
 	int32_t substeps;              ///< soft substeps of the last step
 	double milliseconds;           ///< the whole step, rigid bodies included, skins not
 	double forces_ms;              ///< forces and gravity, ms
-	double matching_ms;            ///< shape matching and the implicit solution, ms
+	double matching_ms;            ///< shape matching, the implicit step and the contacts of deformable bodies, ms
 	double collision_ms;           ///< search for contacts, ms
-	double solve_ms;               ///< Bullet's solver, ms
+	double solve_ms;               ///< Bullet's solver: joints, and contacts without a deformable body, ms
 	double integrate_ms;           ///< positions from velocities, ms
 	double skinning_ms;            ///< skins since the step before, ms
 	double levels_ms;              ///< changes of levels of detail, ms
@@ -92,18 +92,18 @@ typedef struct pliant_attachment_event
 	pliant_vec3 position; ///< where it held the first body, world, m
 } pliant_attachment_event;
 
-/// What a ray hit first.
+/// First hit of a ray.
 typedef struct pliant_ray_hit
 {
 	uint32_t size;      ///< of the structure, bytes
 	int32_t node;       ///< of a soft body: the node nearest to the point; -1 for others
 	pliant_id object;   ///< soft or rigid; 0: nothing was hit
-	double fraction;    ///< of the way from start to end, [0, 1]; 1 where nothing was hit
+	double fraction;    ///< fraction of the ray's length, [0, 1]; 1 where nothing was hit
 	pliant_vec3 point;  ///< world, m
 	pliant_vec3 normal; ///< unit length, against the ray
 } pliant_ray_hit;
 
-/// What kind an object is: pliant_object_get_kind.
+/// Kind of an object: pliant_object_get_kind.
 enum
 {
 	PLIANT_KIND_SOFT = 1, ///< a soft body (pliant/c/body.h)

@@ -155,14 +155,14 @@ enum class GasLaw : int
 {
 	None,     ///< no gas. Default.
 	Constant, ///< always Gas::pressure
-	Ideal     ///< Gas::pressure at the volume of the moment; at others that of an ideal gas of constant temperature
+	Ideal     ///< isothermal ideal gas with Gas::pressure at its volume when setGas was called
 };
 
 /// Gas in the cavities of a hollow body (SoftBody::setGas). Values out of range are refused (BadSettings).
 struct Gas
 {
 	GasLaw law = GasLaw::None;             ///< how the pressure follows the volume; default: no gas
-	btScalar pressure = btScalar( 0 );     ///< above that outside, Pa, -1e9 to 1e9; with GasLaw::Ideal above -outside
+	btScalar pressure = btScalar( 0 );     ///< gauge pressure, Pa, -1e9 to 1e9; with GasLaw::Ideal above -outside
 	btScalar outside = btScalar( 101325 ); ///< pressure outside, Pa, 0 to 1e9; matters to GasLaw::Ideal only
 };
 
