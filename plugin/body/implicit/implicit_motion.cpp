@@ -79,6 +79,7 @@ void ImplicitMotion::begin(
 	m_volume = step.volumeKeeping * gamma * step.alpha / m_stiffness;
 	m_soundSquare = double( step.alpha ) * step.secondMoment;
 	m_rates.prepare( matcher, nodes, runner, m_stiffness );
+	m_arcs.reserve( std::size_t( parts().count() ) );
 	measurePinned();
 	// Nodes in one point cannot rotate, for any inertia.
 	const auto least = [&]( double mass ) { return kLeastInertia * mass * step.secondMoment; };

@@ -176,6 +176,7 @@ void IslandBlock::chooseStiffness()
 		// as large as the marble's weight. One that carries much more than itself needs more: pressed with little, it would give
 		// way for several steps, and be thrown.
 		const bool hasNode = contact.side[0].soft >= 0 || contact.side[1].soft >= 0;
+		const double load = contact.isAttachment() ? 0.0 : contact.normalImpulse / kLoadVelocity;
 		for ( const ContactSide& side : contact.side )
 		{
 			const RigidPart* const part = side.rigid < 0 ? nullptr : &rigid[std::size_t( side.rigid )];
@@ -183,7 +184,7 @@ void IslandBlock::chooseStiffness()
 			const bool isJointed = part && part->linked >= 0 && linked[std::size_t( part->linked )].joints;
 			if ( part && !isJointed && !( hasNode && !contact.isDrawn && !contact.isAttachment() ) )
 			{
-				least = std::min( least, std::max( part->mass, contact.normalImpulse / kLoadVelocity ) );
+				least = std::min( least, std::max( part->mass, load ) );
 			}
 		}
 		contact.stiffness = ( contact.hasExplicitSide ? kExplicitAttachmentStiffness : kContactStiffness ) * least;

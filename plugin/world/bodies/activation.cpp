@@ -6,6 +6,7 @@
 
 #include "body/rigid_state.h"
 #include "matching/step/lattice_matcher.h"
+#include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/step/soft_body_system.h"
@@ -195,28 +196,53 @@ void SoftBodySystem::updateActivation( btScalar h )
 	}
 }
 
-// Bullet's islands would wake it while they are solved. It would then have no equations in this pass, and the impulses that its contact
-// proxies receive would be lost.
+/// Wakes a body after its forces of this pass.
+void SoftBodySystem::wakeLate( SoftBody& body )
+{
+	body.activate();
+	body.impl().isHit = true;
+	body.impl().isImplicit = false; // its forces start with the next substep
+	body.impl().body->joinAtRest();
+}
+
+// Bullet's islands would wake them while they are solved. They would then have no equations in this pass, and the impulses that their
+// contact proxies receive would be lost. What sleeps in contact with them wakes too.
 bool SoftBodySystem::wakeHit()
 {
 	bool isAny = false;
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		if ( impl.isHit && body->getActivationState() == ISLAND_SLEEPING && !impl.rigidProxy && isInPass( *body ) )
-		{
-			body->activate();
-			impl.isImplicit = false; // its elasticity starts with the next substep
-			impl.body->joinAtRest();
-			isAny = true;
-		}
-		impl.isHit = false;
+		impl.isHit = impl.isHit && body->getActivationState() == ISLAND_SLEEPING && !impl.rigidProxy && isInPass( *body );
+		impl.isHit ? wakeLate( *body ) : void();
+		isAny = isAny || impl.isHit;
 	}
-	if ( isAny )
+	if ( !isAny )
 	{
-		gatherAwake();
+		return false;
 	}
-	return isAny;
+	for ( bool isChanged = true; isChanged; )
+	{
+		isChanged = false;
+		forEachManifold( m_dispatcher, prefetchEnd, [&]( btPersistentManifold& manifold ) {
+			SoftBody* const soft[2] = { ownerOfContactProxy( manifold.getBody0() ), ownerOfContactProxy( manifold.getBody1() ) };
+			for ( int k = 0; manifold.getNumContacts() > 0 && soft[0] && soft[1] && k < 2; ++k )
+			{
+				SoftBody& other = *soft[1 - k];
+				if ( soft[k]->impl().isHit && other.getActivationState() == ISLAND_SLEEPING && isInPass( other ) )
+				{
+					wakeLate( other );
+					isChanged = true;
+				}
+			}
+		} );
+	}
+	for ( SoftBody* body : m_bodies )
+	{
+		body->impl().isHit = false;
+	}
+	gatherAwake();
+	return true;
 }
 
 void SoftBodySystem::wakeTouched()

@@ -26,6 +26,14 @@ struct Tested
 	btManifoldResult& result;
 	bool softIsFirst;
 	int count = 0; ///< of contact points
+	struct Touch
+	{
+		btVector3 point, outwards;
+		btScalar distance;
+		int part, index;
+	};
+	/// The deepest of the touches that were left to neighbouring triangles; for thin things that pierce one triangle alone.
+	Touch left = { btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ), SIMD_INFINITY, -1, -1 };
 
 	const SurfaceShape& surface() const { return static_cast<const BodyShape*>( soft.getCollisionShape() )->surface(); }
 	const btConvexShape* convex() const
@@ -72,7 +80,13 @@ struct TriangleResult : btManifoldResult
 		{
 			if ( cosine > -kBehindCosine )
 			{
-				return; // touches an edge of the triangle from beside: the neighbour at that edge has the contact
+				// Touches an edge of the triangle from beside: the neighbour at that edge has the contact.
+				const btScalar height = m_tested.heightOver( point, m_outwards );
+				if ( height < m_tested.left.distance )
+				{
+					m_tested.left = { point, m_outwards, height, m_partId1, m_index1 };
+				}
+				return;
 			}
 			outwards = m_outwards;
 			depth = m_tested.heightOver( point, outwards );
@@ -159,6 +173,10 @@ void SurfaceTest::processCollision(
 		{
 			testTriangle( *m_dispatcher, tested, info, piece.corner );
 		}
+	}
+	if ( tested.count == 0 && tested.left.distance < 0 )
+	{
+		tested.add( tested.left.point, tested.left.outwards, tested.left.distance, tested.left.part, tested.left.index );
 	}
 	testInside( tested );
 	result->setPersistentManifold( nullptr );

@@ -341,12 +341,16 @@ void SoftBodySystem::noteImpact( SoftBody& body, btCollisionObject& other, btSca
 void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
 {
 	double least = SIMD_INFINITY;
+	if ( std::any_of( m_bodies.begin(), m_bodies.end(), []( const SoftBody* body ) { return body->impl().elasticity.blow > 0.0; } ) )
+	{
+		countIslandBodies();
+	}
 	for ( SoftBody* body : m_bodies )
 	{
 		const double slowest = canSplit ? leastLanding( *body, double( gameStep ), usual ) : SIMD_INFINITY;
 		ElasticityState& state = body->impl().elasticity;
 		state.landingTime = slowest < SIMD_INFINITY ? std::max( 0.0, state.landingTime - double( gameStep ) ) : 0.0;
-		if ( slowest < SIMD_INFINITY && state.blow > slowest * slowest )
+		if ( slowest < SIMD_INFINITY && state.blow > slowest * slowest && isSmallImpact( *body, *body ) )
 		{
 			state.landingTime = std::max( state.landingTime, landingDuration( *body, gameStep ) );
 		}

@@ -95,7 +95,8 @@ void WorldStep::beginPass( StepPass pass )
 	} );
 	m_multiBodies.hide( m_parts.multiBodies, [&]( const btMultiBody& body ) { return bodies.group.moves( pass, body ); } );
 	m_multiBodyJoints.hide( m_parts.multiBodyJoints, [&]( btMultiBodyConstraint& joint ) {
-		return bodies.group.moves( pass, *joint.getMultiBodyA() ); // the second one may be a rigid body
+		const btMultiBody* const first = joint.getMultiBodyA(); // the second one may be a rigid body
+		return first ? bodies.group.moves( pass, *first ) : pass == StepPass::Whole;
 	} );
 }
 

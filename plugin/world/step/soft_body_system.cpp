@@ -325,7 +325,7 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 		{
 			impl.follower->sum( *impl.body, double( h ) ); // of the velocities of its solution
 		}
-		if ( impl.isImplicit && impl.touched.empty() && !attachments.contain( body ) )
+		if ( impl.isImplicit && impl.touched.empty() && ( attachments.isEmpty() || !attachments.contain( body ) ) )
 		{
 			impl.body->bendToArcs( float( h ) );
 		}

@@ -111,6 +111,7 @@ public:
 
 	// One pass, in the order of world_step.cpp.
 	void accelerate( btScalar h, int substep ); ///< forces, velocities of pins, shape matching, swept boxes
+	void wakeLate( SoftBody& body );
 	/// Sleeping bodies that something awake touches take part in this pass's contacts. Returns whether there are any.
 	bool wakeHit();
 	void completeFirstContacts(); ///< of bodies that have just become rigid; after the broadphase's pairs

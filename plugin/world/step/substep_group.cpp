@@ -183,6 +183,12 @@ bool SubstepGroup::includeSoftNear( const Scene& scene, btScalar gameStep )
 			{
 				contains( *scene.rigid[i] ) ? members.push_back( SweptBox::of( *scene.rigid[i], gameStep ) ) : void();
 			}
+			for ( int i = 0; i < scene.multiBodies.size(); ++i )
+			{
+				forEachCollider( *scene.multiBodies[i], [&]( const btCollisionObject& link ) {
+					contains( link ) ? members.push_back( SweptBox::of( link, motionOf( link ), gameStep ) ) : void();
+				} );
+			}
 			for ( const SoftBody* member : scene.soft )
 			{
 				contains( *member ) ? members.push_back( SweptBox::of( *member, gravity, gameStep ) ) : void();

@@ -255,7 +255,7 @@ void WorldStep::detect()
 	{
 		detectWhole();
 		bodies.releaseRefusedPairs();
-		m_isStepping = bodies.wakeHit();
+		m_isStepping = bodies.areStagesRunning && bodies.wakeHit(); // else the game asks for contacts between steps
 		return;
 	}
 	Stopwatch watch( bodies.report.collision );
@@ -282,8 +282,8 @@ void WorldStep::detect()
 	}
 	bodies.collideWithThemselves( h );
 	bodies.endCollision( h );
+	bodies.releaseRefusedPairs(); // before manifolds are listed, and before pairs count that were not detected because they slept
 	bodies.wakeHit();
-	bodies.releaseRefusedPairs(); // before manifolds are listed
 }
 
 // A parallel dispatcher's threads make manifolds in any order, and leave the pairs of soft bodies.

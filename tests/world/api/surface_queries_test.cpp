@@ -313,6 +313,25 @@ TEST( SurfaceQueries, ContactTestsGiveTheDepthOfWhatIsWiderThanAFace )
 	}
 }
 
+// A rod that pierces one triangle is touched from beside by it alone.
+TEST( SurfaceQueries, ContactTestsSeeARodInTheMiddleOfAFace )
+{
+	TestWorld t;
+	const SoftBody* const soft = t.addSoft( made( test::makeBox( { -0.5, -0.5, -0.5 }, { 0.5, 0.5, 0.5 } ) ), at( 0, 0, 0 ) );
+	btBoxShape rod( btVector3( btScalar( 0.005 ), btScalar( 0.2 ), btScalar( 0.005 ) ) );
+	btCollisionObject probe;
+	probe.setCollisionShape( &rod );
+	for ( int k = 0; k < 12; ++k )
+	{
+		const btVector3 axis( btCos( btScalar( k ) ), 0, btSin( btScalar( k ) ) );
+		probe.setWorldTransform(
+			btTransform( btQuaternion( axis, btScalar( 0.02 * k ) ), btVector3( btScalar( 0.13 ), btScalar( 0.65 ), btScalar( -0.21 ) ) ) );
+		Contacts found( *soft );
+		t.world.contactPairTest( const_cast<SoftBody*>( soft ), &probe, found );
+		EXPECT_GT( found.count, 0 ) << "tilt " << k;
+	}
+}
+
 // Against objects without a convex shape: a plane, a mesh, a compound, another soft body.
 TEST( SurfaceQueries, ContactTestsKnowAllShapes )
 {

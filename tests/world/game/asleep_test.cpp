@@ -156,6 +156,35 @@ TEST( HitAsleep, BodiesTakeTheMomentumOfWhatHitsThem )
 	}
 }
 
+// A sleeping body that wakes in the middle of a step lost its contacts with the floor, whose pair had not been detected, and sank into it.
+TEST( HitAsleep, BodiesKeepTheirContactsWithTheFloorAndWakeWhatLiesOnThem )
+{
+	TestWorld t;
+	t.addFloor();
+	const SoftBody* const lower = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, btScalar( 0.2 ), 0 ), stiff( 2e5f ) );
+	const SoftBody* const upper = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, btScalar( 0.6 ), 0 ), stiff( 2e5f ) );
+	t.run( 500 );
+	ASSERT_FALSE( lower->isActive() );
+	ASSERT_FALSE( upper->isActive() );
+	SoftBody* const awake = t.addSoft( block( 4, 4, 4, 0.1f ), at( 3, btScalar( 0.2 ), 0 ), stiff( 2e5f ) );
+	awake->setActivationState( DISABLE_DEACTIVATION );
+	btRigidBody* const ball = t.add( 1, new btSphereShape( btScalar( 0.1 ) ), at( btScalar( -0.5 ), btScalar( 0.2 ), 0 ) );
+	ball->setLinearVelocity( btVector3( 2, 0, 0 ) );
+	const btScalar before = lower->massCentre().y(), above = upper->massCentre().y();
+	int frames = 0;
+	for ( ; frames < 60 && !lower->isActive(); ++frames )
+	{
+		t.run( 1 );
+	}
+	EXPECT_LT( frames, 30 );
+	EXPECT_TRUE( upper->isActive() ) << "in the same step";
+	t.run( 1 );
+	EXPECT_NEAR( lower->massCentre().y(), before, 1e-3 );
+	EXPECT_NEAR( upper->massCentre().y(), above, 1e-3 );
+	EXPECT_LT( std::abs( lower->linearVelocity().y() ), btScalar( 0.05 ) );
+	EXPECT_LT( std::abs( upper->linearVelocity().y() ), btScalar( 0.05 ) );
+}
+
 TEST( ChangedAsleep, AFilterThatLeavesOutTheFloorLetsItFall )
 {
 	Sleeping t;
