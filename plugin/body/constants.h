@@ -2,6 +2,8 @@
 
 // Constants of bodies and templates, each with its unit and reason.
 
+#include <cstddef>
+
 namespace pliant {
 
 /// Bounds of the factor by which a template may be scaled: outside of them squares of a model's lengths leave the range of single
@@ -21,6 +23,9 @@ inline constexpr int kArcIterations = 4;
 /// The least fraction of a body's energy about its mass centre that is the energy of its rotation: the parts of what bends in flight rotate
 /// by themselves.
 inline constexpr double kRotatesAsRigid = 0.98;
+
+/// Nodes of bodies of fewer cells do not merge: they would be one block or a few, with no rotation of their own.
+inline constexpr std::size_t kLeastMergedCells = 27;
 
 // --- Segments of large bodies (segments.h) ---
 

@@ -1,5 +1,6 @@
 // Selects the nodes to split and to merge: Ohta et al. 2009, "Changing the Subdivision Level" and "Merging".
 
+#include "body/constants.h"
 #include "body/levels/levels.h"
 
 #include <algorithm>
@@ -209,11 +210,14 @@ bool Levels::mayMerge( const NodeState& nodes, const Reviewed::Siblings& sibling
 	return ( isFiner || !siblings.isParentTooCoarse ) && ( !isPinned || isPinnedAsOne( siblings.parent ) );
 }
 
+// Small pieces would merge into nodes that neither rotate nor rest as their cells do, and split again for it; a game may ask for it
+// (setFinestLevel).
 void Levels::collectMerges( const NodeState& nodes )
 {
+	const bool isLarge = octree().cells.size() >= kLeastMergedCells;
 	for ( const Reviewed::Siblings& siblings : m_reviewed.siblings )
 	{
-		if ( mayMerge( nodes, siblings ) )
+		if ( ( isLarge || siblings.parentLevel <= m_finestLevel ) && mayMerge( nodes, siblings ) )
 		{
 			m_merge.push_back( siblings.parent );
 		}
