@@ -15,27 +15,26 @@ namespace pliant {
 // that of the distances from the middle plane across the thinnest direction:
 //
 //   s > n r along it,   s q > r^2 as it bends
-//
-// What bends in flight for another reason rotates otherwise in every part of it.
-bool ImplicitMotion::followsArcs( int part, const Vector6& momentum, const Vector6& motion, double h ) const
+bool ImplicitMotion::isCrossedBySound( int part ) const
 {
-	const double mass = m_rates.whole( part ).mass;
-	if ( isHeld( part ) || !hasShape( part ) || h * motion.tail<3>().norm() < kLeastArc )
+	const double mass = m_rates.whole( part ).mass, radiusSquare = 0.5 * trace( part ) / mass;
+	if ( isHeld( part ) || !hasShape( part ) || m_soundSquare <= kArcTravel * kArcTravel * radiusSquare )
 	{
 		return false;
 	}
-	double square = 0.0;
-	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
-	parts().forNodes( part, m_nodes->count, [&]( int i ) {
-		const Eigen::Vector3d arm = m_nodes->x.get( i ).cast<double>() - centre( part );
-		second += double( m_nodes->mass[i] ) / mass * arm * arm.transpose();
-		square += double( m_nodes->mass[i] ) * ( m_nodes->v.get( i ).cast<double>() - motion.head<3>() ).squaredNorm();
-	} );
-	const double radiusSquare = second.trace();
+	const Eigen::Matrix3d second = radiusSquare * Eigen::Matrix3d::Identity() - m_inertias[std::size_t( part )] / mass;
 	const double thinnest =
 		Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>().computeDirect( second, Eigen::EigenvaluesOnly ).eigenvalues()[0];
-	return m_soundSquare > kArcTravel * kArcTravel * radiusSquare && m_soundSquare * thinnest > radiusSquare * radiusSquare &&
-		momentum.tail<3>().dot( motion.tail<3>() ) > kRotatesAsRigid * square;
+	return m_soundSquare * thinnest > radiusSquare * radiusSquare;
+}
+
+// What bends in flight rotates otherwise in every part of it.
+bool ImplicitMotion::rotatesAsRigid( int part, const Vector6& momentum, const Vector6& motion ) const
+{
+	double square = 0.0;
+	parts().forNodes( part, m_nodes->count,
+		[&]( int i ) { square += double( m_nodes->mass[i] ) * ( m_nodes->v.get( i ).cast<double>() - motion.head<3>() ).squaredNorm(); } );
+	return momentum.tail<3>().dot( motion.tail<3>() ) > kRotatesAsRigid * square;
 }
 
 // The implicit midpoint rule: h w = h R I^-1 R^T L with R, by h w / 2, the axes in the middle. With w of the start the axis would drift off
@@ -64,12 +63,16 @@ void ImplicitMotion::bendToArcs( double h )
 	m_arcs.clear();
 	for ( int p = 0; p < parts().count(); ++p )
 	{
-		const Vector6 whole = momentum( p ), motion = rigidMotion( whole, p );
-		if ( !followsArcs( p, whole, motion, h ) )
+		if ( !isCrossedBySound( p ) )
 		{
 			continue;
 		}
+		const Vector6 whole = momentum( p ), motion = rigidMotion( whole, p );
 		const Eigen::Vector3d turn = h * motion.tail<3>();
+		if ( turn.norm() < kLeastArc || !rotatesAsRigid( p, whole, motion ) )
+		{
+			continue;
+		}
 		const Eigen::Matrix3d rotation = turned( whole.tail<3>(), turn, h, p );
 		const Eigen::Matrix3d bend = rotation - Eigen::Matrix3d::Identity() - crossMatrix( turn );
 		parts().forNodes( p, nodes.count, [&]( int i ) {

@@ -136,8 +136,9 @@ private:
 	bool m_hasHeldNodes = false;
 	/// The rotation of a free part in a step of h, s, which begins with the angular momentum `spin` and would turn by `turn`, rad.
 	Eigen::Matrix3d turned( const Eigen::Vector3d& spin, const Eigen::Vector3d& turn, double h, int part ) const;
-	/// `motion`: of `momentum`. `h`: s.
-	bool followsArcs( int part, const Vector6& momentum, const Vector6& motion, double h ) const;
+	bool isCrossedBySound( int part ) const;
+	/// `motion`: of `momentum`.
+	bool rotatesAsRigid( int part, const Vector6& momentum, const Vector6& motion ) const;
 	struct Arc
 	{
 		int part;
