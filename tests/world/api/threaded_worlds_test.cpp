@@ -1,9 +1,7 @@
 // Soft bodies in Bullet's multithreaded world: dispatcher, islands and solvers on several threads. With a Bullet that is not built for
 // threads (BT_THREADSAFE), such as Debian's, the same on one thread; .ci/run builds one that is.
 
-#include "support/bullet_worlds.h"
-#include "support/explicit_material.h"
-#include "world/test_world.h"
+#include "world/bases/stage_over.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h>
 #include <LinearMath/btThreads.h>
@@ -19,7 +17,7 @@ namespace pliant {
 namespace {
 
 using test::at;
-using test::kFrame;
+using test::materialOf;
 
 /// Bullet's tasks on a pool of ours, with as many threads as a test requires, independently of the number of processors.
 class PoolScheduler : public btITaskScheduler
@@ -82,6 +80,21 @@ PoolScheduler& scheduler()
 	return pools;
 }
 
+/// Parts of Bullet's that use four threads at most, by the scheduler above.
+struct ThreadedParts
+{
+	template <class World>
+	std::unique_ptr<World> make()
+	{
+		return std::make_unique<World>( &dispatcher, &broadphase, &solver, nullptr, &configuration );
+	}
+
+	btDefaultCollisionConfiguration configuration;
+	btCollisionDispatcherMt dispatcher{ &configuration, 4 }; ///< 4 pairs a task
+	btDbvtBroadphase broadphase;
+	btConstraintSolverPoolMt solver{ 4 };
+};
+
 /// Towers of boxes, soft cubes of both solvers under and on boxes, and a brittle one that falls on a box.
 class ThreadedScene
 {
@@ -89,46 +102,37 @@ public:
 	/// With explicit bodies Bullet's narrow phase is called pair by pair, since the step is divided; without them on all threads at once.
 	ThreadedScene( int threads, Elasticity elasticity ) : m_threads( useThreads( threads ) )
 	{
-		addBox( 0, btVector3( 50, 1, 50 ), at( 0, -1, 0 ) );
 		for ( int tower = 0; tower < 6; ++tower )
 		{
 			const btScalar x = btScalar( 3 * tower );
 			for ( int k = 0; k < 4; ++k )
 			{
-				addBox( 10, btVector3( btScalar( 0.4 ), btScalar( 0.2 ), btScalar( 0.4 ) ),
+				m_stage.addBox( 10, btVector3( btScalar( 0.4 ), btScalar( 0.2 ), btScalar( 0.4 ) ),
 					at( x + btScalar( 0.1 ) * btScalar( k % 2 ), btScalar( 1.4 + 0.45 * k ), 0 ) );
 			}
-			addCube( at( x, btScalar( 0.55 ), 0 ), tower % 2 == 0 ? Elasticity::Implicit : elasticity, {} );
-			addCube( at( x, btScalar( 3.9 ), 0 ), Elasticity::Implicit, {} );
-			addBox( 1, btVector3( btScalar( 0.2 ), btScalar( 0.2 ), btScalar( 0.2 ) ), at( x, btScalar( 0.25 ), 3 ) );
+			m_stage.addCube( at( x, btScalar( 0.55 ), 0 ), materialOf( tower % 2 == 0 ? Elasticity::Implicit : elasticity ) );
+			m_stage.addCube( at( x, btScalar( 3.9 ), 0 ), materialOf( Elasticity::Implicit ) );
+			m_stage.addBox( 1, btVector3( btScalar( 0.2 ), btScalar( 0.2 ), btScalar( 0.2 ) ), at( x, btScalar( 0.25 ), 3 ) );
 		}
 		Fracture brittle;
 		brittle.rule = BreakRule::Distance;
 		brittle.breakStrain = 0.02f;
-		EXPECT_TRUE( addCube( at( 0, 4, 3 ), elasticity, brittle )->setLinearVelocity( btVector3( 0, -12, 0 ) ).ok() );
+		EXPECT_TRUE(
+			m_stage.addCube( at( 0, 4, 3 ), materialOf( elasticity ), brittle )->setLinearVelocity( btVector3( 0, -12, 0 ) ).ok() );
 	}
-	~ThreadedScene()
-	{
-		m_soft.clear();
-		for ( const auto& body : m_rigid )
-		{
-			m_world->removeRigidBody( body.get() );
-		}
-	}
-
 	void run( int frames )
 	{
 		for ( int frame = 0; frame < frames; ++frame )
 		{
-			m_world->stepSimulation( kFrame, 1, kFrame );
-			for ( const auto& body : m_rigid )
+			m_stage.run( 1 );
+			for ( const auto& body : m_stage.rigid )
 			{
 				note( body->getWorldTransform().getOrigin() );
 				note( body->getLinearVelocity() );
 			}
-			for ( int k = 0; k < m_world->softBodyCount(); ++k )
+			for ( int k = 0; k < m_stage.world->softBodyCount(); ++k )
 			{
-				const SoftBody& body = *m_world->softBody( k );
+				const SoftBody& body = *m_stage.world->softBody( k );
 				EXPECT_TRUE( body.isHealthy() );
 				for ( int i = 0; i < body.nodeCount(); ++i )
 				{
@@ -138,11 +142,9 @@ public:
 		}
 	}
 	const std::vector<btScalar>& track() const { return m_track; }
-	int fragments() const { return m_world->fragmentCount(); }
+	int fragments() const { return m_stage.world->fragmentCount(); }
 
 private:
-	using World = SoftBodyWorldOver<btDiscreteDynamicsWorldMt>;
-
 	static int useThreads( int threads )
 	{
 		scheduler().setNumThreads( threads );
@@ -150,38 +152,9 @@ private:
 		return threads;
 	}
 	void note( const btVector3& value ) { m_track.insert( m_track.end(), { value.x(), value.y(), value.z() } ); }
-	void addBox( btScalar mass, const btVector3& half, const btTransform& where )
-	{
-		m_shapes.push_back( std::make_unique<btBoxShape>( half ) );
-		btVector3 inertia( 0, 0, 0 );
-		m_shapes.back()->calculateLocalInertia( mass, inertia );
-		btRigidBody::btRigidBodyConstructionInfo info( mass, nullptr, m_shapes.back().get(), inertia );
-		info.m_startWorldTransform = where;
-		m_rigid.push_back( std::make_unique<btRigidBody>( info ) );
-		m_world->addRigidBody( m_rigid.back().get() );
-	}
-	SoftBody* addCube( const btTransform& where, Elasticity elasticity, const Fracture& fracture )
-	{
-		Material material = test::explicitMaterial();
-		material.youngsModulus = 1e6f;
-		material.elasticity = elasticity;
-		SoftBodyResult made = SoftBody::create( test::block( 4, 4, 4, 0.25f ), where, material );
-		EXPECT_TRUE( made.ok() ) << made.status.sentence;
-		EXPECT_TRUE( made.value->setFracture( fracture ).ok() );
-		m_soft.push_back( std::move( made.value ) );
-		m_world->addSoftBody( m_soft.back().get() );
-		return m_soft.back().get();
-	}
 
 	int m_threads; ///< in use; set before the dispatcher, which reads it, is constructed
-	btDefaultCollisionConfiguration m_configuration;
-	btCollisionDispatcherMt m_dispatcher{ &m_configuration, 4 }; ///< 4 pairs a task
-	btDbvtBroadphase m_broadphase;
-	btConstraintSolverPoolMt m_solver{ 4 };
-	std::unique_ptr<World> m_world = std::make_unique<World>( &m_dispatcher, &m_broadphase, &m_solver, nullptr, &m_configuration );
-	std::vector<std::unique_ptr<btCollisionShape>> m_shapes;
-	std::vector<std::unique_ptr<btRigidBody>> m_rigid;
-	std::vector<std::unique_ptr<SoftBody>> m_soft;
+	test::StageOver<btDiscreteDynamicsWorldMt, ThreadedParts> m_stage;
 	std::vector<btScalar> m_track;
 };
 

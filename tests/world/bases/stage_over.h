@@ -8,8 +8,8 @@
 
 namespace pliant::test {
 
-/// The floor's top is at y = 0.
-template <class Base>
+/// The floor's top is at y = 0. `Parts`: as PartsOf.
+template <class Base, class Parts = PartsOf<Base>>
 struct StageOver
 {
 	using World = SoftBodyWorldOver<Base>;
@@ -51,7 +51,7 @@ struct StageOver
 		}
 	}
 
-	PartsOf<Base> parts;
+	Parts parts;
 	std::unique_ptr<World> world = parts.template make<World>();
 	std::vector<std::unique_ptr<btCollisionShape>> shapes;
 	std::vector<std::unique_ptr<btRigidBody>> rigid;

@@ -156,11 +156,23 @@ TEST( HitAsleep, BodiesTakeTheMomentumOfWhatHitsThem )
 	}
 }
 
-// A sleeping body that wakes in the middle of a step lost its contacts with the floor, whose pair had not been detected, and sank into it.
+// A sleeping body that wakes in the middle of a step lost its contacts with the floor, whose pair had not been detected, and what slept on
+// it did not feel the hit.
 TEST( HitAsleep, BodiesKeepTheirContactsWithTheFloorAndWakeWhatLiesOnThem )
 {
 	TestWorld t;
-	t.addFloor();
+	const btRigidBody* const floor = t.addFloor();
+	const auto contactsWithFloor = [&]( const SoftBody* body ) {
+		int count = 0;
+		for ( int m = 0; m < t.parts.dispatcher.getNumManifolds(); ++m )
+		{
+			const btPersistentManifold& manifold = *t.parts.dispatcher.getManifoldByIndexInternal( m );
+			const btCollisionObject *const a = manifold.getBody0(), *const b = manifold.getBody1();
+			const bool isOfBoth = ( a == floor && SoftBody::upcast( b ) == body ) || ( b == floor && SoftBody::upcast( a ) == body );
+			count += isOfBoth ? manifold.getNumContacts() : 0;
+		}
+		return count;
+	};
 	const SoftBody* const lower = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, btScalar( 0.2 ), 0 ), stiff( 2e5f ) );
 	const SoftBody* const upper = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, btScalar( 0.6 ), 0 ), stiff( 2e5f ) );
 	t.run( 500 );
@@ -171,6 +183,8 @@ TEST( HitAsleep, BodiesKeepTheirContactsWithTheFloorAndWakeWhatLiesOnThem )
 	btRigidBody* const ball = t.add( 1, new btSphereShape( btScalar( 0.1 ) ), at( btScalar( -0.5 ), btScalar( 0.2 ), 0 ) );
 	ball->setLinearVelocity( btVector3( 2, 0, 0 ) );
 	const btScalar before = lower->massCentre().y(), above = upper->massCentre().y();
+	const int contacts = contactsWithFloor( lower );
+	EXPECT_GT( contacts, 4 );
 	int frames = 0;
 	for ( ; frames < 60 && !lower->isActive(); ++frames )
 	{
@@ -178,6 +192,7 @@ TEST( HitAsleep, BodiesKeepTheirContactsWithTheFloorAndWakeWhatLiesOnThem )
 	}
 	EXPECT_LT( frames, 30 );
 	EXPECT_TRUE( upper->isActive() ) << "in the same step";
+	EXPECT_EQ( contactsWithFloor( lower ), contacts );
 	t.run( 1 );
 	EXPECT_NEAR( lower->massCentre().y(), before, 1e-3 );
 	EXPECT_NEAR( upper->massCentre().y(), above, 1e-3 );
