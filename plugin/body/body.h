@@ -232,9 +232,6 @@ public:
 	/// Until the next call 1 - `rolling`, [0, 1], of the material's wobble damping acts: the strain of a rolling body is at rest in space
 	/// and turns in its material, which the damping takes for a vibration.
 	void rollFreely( double rolling ) { m_rolling = rolling; }
-	/// Solves A x = `impulse` for the velocities that impulses on the nodes give within the substep of pushImplicitly, from the guess in
-	/// `velocity`; both of nodes().padded floats a component, zero at pinned nodes.
-	void respond( const float* impulse, float* velocity, TaskRunner* runner );
 	/// For a body with forces applied: it takes part in other bodies' system with its masses only, as a whole.
 	ImplicitMotion& joinFreely();
 	/// The same with the nodes that will be added.

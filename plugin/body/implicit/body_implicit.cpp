@@ -138,17 +138,6 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 	}
 }
 
-void Body::respond( const float* impulse, float* velocity, TaskRunner* runner )
-{
-	AloneSystem system( *m_implicit, runner );
-	// Accurate to a fraction of the response itself, not of the initial error of a good guess.
-	AlignedArray<float> approximate( static_cast<std::size_t>( system.size() ) );
-	system.precondition( impulse, approximate.data() );
-	const double whole = dot( impulse, approximate.data(), system.size() );
-	ConjugateGradients gradients;
-	gradients.solve( system, impulse, velocity, GradientLimits{ 0.0, kGradientFraction * whole, kMostGradients } );
-}
-
 ImplicitMotion& Body::joinFreely()
 {
 	ImplicitMotion& motion = madeImplicit();

@@ -123,6 +123,17 @@ void BlockSolve::forget( const btCollisionObject& object )
 	std::erase_if( m_outside, [&]( const OutsideImpulse& outside ) { return outside.object == &object; } );
 }
 
+IslandBlock& BlockSolve::alone( SoftBody& body, TaskRunner* runner )
+{
+	m_alone.clear();
+	SoftPart& part = m_alone.soft.emplace_back();
+	part.owner = &body;
+	part.motion = body.impl().body->implicit();
+	part.velocityBefore = &body.impl().body->velocityBefore();
+	m_alone.beginResponses( runner );
+	return m_alone;
+}
+
 // Makes one block per island with a deformable body. Bodies that step explicitly take part with their masses: their elastic forces are
 // those of their own step.
 void BlockSolve::makeBlocks( const std::vector<SoftBody*>& awake, const Attachments& attachments )

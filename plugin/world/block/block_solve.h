@@ -43,6 +43,8 @@ public:
 	/// Called once the impulses have been reported: sets those that the next substep starts from.
 	void carryImpulses();
 	void forget( const btCollisionObject& object );
+	/// A block of an implicit body alone, without its contacts, ready to respond to impulses; until the next call.
+	IslandBlock& alone( SoftBody& body, TaskRunner* runner );
 
 	/// The data that one substep passes to the next.
 	const std::vector<OutsideImpulse>& carried() const { return m_outside; }
@@ -64,6 +66,7 @@ private:
 
 	std::deque<IslandBlock> m_blocks; ///< grows only
 	std::vector<int> m_tagOf;         ///< island tag of each block
+	IslandBlock m_alone;
 	BlockReach m_reach;
 	BlockContacts m_contacts;
 	MovedObjects m_moved;

@@ -253,6 +253,27 @@ BlockCount IslandBlock::solve( TaskRunner* runner )
 	return count;
 }
 
+void IslandBlock::beginResponses( TaskRunner* runner )
+{
+	m_runner = runner;
+	layOut();
+	fillPreconditioner();
+}
+
+// Accurate to a fraction of the response itself, not of the initial error of a good guess.
+void IslandBlock::respond( const float* impulse, float* velocity )
+{
+	const int size = soft.front().motion->size();
+	std::fill( m_rightSide.begin(), m_rightSide.end(), 0.0f );
+	std::copy( impulse, impulse + size, m_rightSide.begin() );
+	std::fill( m_v.begin(), m_v.end(), 0.0f );
+	std::copy( velocity, velocity + size, m_v.begin() );
+	precondition( m_rightSide.data(), m_next.data() );
+	const double whole = dot( m_rightSide.data(), m_next.data(), m_size );
+	m_gradients.solve( *this, m_rightSide.data(), m_v.data(), GradientLimits{ 0.0, kGradientFraction * whole, kMostGradients } );
+	std::copy( m_v.begin(), m_v.begin() + size, velocity );
+}
+
 // A pass is solved to full accuracy only once it is known to be the last: which contacts change is known long before convergence. After
 // sweeps passes start from their velocities and impulses.
 void IslandBlock::solveLaw( BlockCount& count )

@@ -140,6 +140,9 @@ public:
 
 	/// Computes the velocities of nodes and rigid parts and the contact impulses at the end of the substep.
 	BlockCount solve( TaskRunner* runner );
+	void beginResponses( TaskRunner* runner ); ///< of one soft body without contacts
+	/// Solves A v = p for impulses on the nodes, N s, from `velocity` as the initial guess. Both as the nodes' arrays of three components.
+	void respond( const float* impulse, float* velocity );
 	void clear();
 	/// Returns the relative velocity at a contact without contact impulses and elastic forces, m/s.
 	Vec3d freeVelocity( const BlockContact& contact ) const;
@@ -280,8 +283,7 @@ private:
 	void solveLaw( BlockCount& count );
 	/// Whether sweeps over the contacts can solve the block: no elastic body, joint or attachment, isotropic friction.
 	bool canSweep() const;
-	/// Sweeps from the last impulses; sets m_v and the impulses, and returns true if these are accurate.
-	bool sweepContacts( BlockCount& count );
+	bool sweepContacts( BlockCount& count ); ///< from the last impulses; sets m_v and the impulses, and returns true if these are accurate
 	void listSwept();
 	ContactSweeps::Side sweptSide( const ContactSide& side );
 	void readSwept();

@@ -14,7 +14,7 @@ bool SoftBodySystem::maySettle( const SoftBody& body ) const
 {
 	const SoftBody::Impl& impl = body.impl();
 	return impl.pins.empty() && !impl.isKept && impl.fading.time == 0.0f && !impl.follower && !body.isStaticOrKinematicObject() &&
-		( attachments.isEmpty() || !attachments.contain( body ) ) && !hasFrame( body );
+		( attachments.isEmpty() || !attachments.contain( body ) ) && !frames.has( body );
 }
 
 void SoftBodySystem::settleDebris( btScalar gameStep )

@@ -18,7 +18,7 @@ void archive( Archive& archive, Frame::Node& part )
 void WorldSnapshot::FrameRecord::archive( Archive& archive )
 {
 	archive( rigid, body, frame.radius, frame.middle, frame.patch, frame.at, frame.rotation, frame.mean, frame.mass, frame.inertia,
-		frame.force, frame.response, frame.mobility, frame.learning, frame.given );
+		frame.force, frame.mobility, frame.learning, frame.given );
 }
 
 void WorldSnapshot::collectFrames()

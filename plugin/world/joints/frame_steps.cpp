@@ -37,23 +37,34 @@ void SoftBodySystem::pressFrames( bool isOn )
 	}
 }
 
-void SoftBodySystem::giveFrames( btScalar h )
+void SoftBodySystem::giveFrames( const btAlignedObjectArray<btTypedConstraint*>& joints, const btContactSolverInfo& info )
 {
+	if ( frames.isEmpty() )
+	{
+		return;
+	}
 	for ( SoftBody* body : m_bodies )
 	{
-		if ( !frames.isEmpty() && moves( *body ) && isInPass( *body ) )
+		if ( moves( *body ) && isInPass( *body ) )
 		{
-			frames.before( *body, double( h ), tasks() );
+			IslandBlock* const alone = frames.has( *body ) && body->impl().isImplicit ? &implicitSolve().alone( *body, tasks() ) : nullptr;
+			frames.measureMobility(
+				*body, [alone]( const float* impulse, float* velocity ) { alone->respond( impulse, velocity ); }, tasks() );
 		}
-		else if ( !frames.isEmpty() && ( body->isStaticOrKinematicObject() || !body->isHealthy() ) )
+		else if ( body->isStaticOrKinematicObject() || !body->isHealthy() )
 		{
 			frames.hold( *body );
 		}
 	}
+	const double h = double( info.m_timeStep );
+	frames.solve( joints, h, double( info.m_erp ) );
+	frames.refineJoints( joints );
+	frames.give();
 }
 
 void SoftBodySystem::readFrames( btScalar h )
 {
+	frames.restoreIterations();
 	for ( SoftBody* body : m_awake )
 	{
 		if ( !frames.isEmpty() && moves( *body ) )

@@ -151,6 +151,11 @@ const Frame* Frames::find( const btRigidBody& rigid ) const
 	return found == m_frames.end() ? nullptr : &*found;
 }
 
+bool Frames::has( const SoftBody& body ) const
+{
+	return std::any_of( m_frames.begin(), m_frames.end(), [&body]( const Frame& frame ) { return frame.body == &body; } );
+}
+
 void Frame::copyState( const Frame& from )
 {
 	radius = from.radius;
@@ -162,7 +167,6 @@ void Frame::copyState( const Frame& from )
 	mass = from.mass;
 	inertia = from.inertia;
 	force = from.force;
-	response = from.response;
 	mobility = from.mobility;
 	learning = from.learning;
 	given = from.given;

@@ -1,21 +1,24 @@
 #pragma once
 
 // Frames: rigid bodies that move with patches of soft bodies, for Bullet's joints. A frame's rigid body has the mobility of its patch and
-// no mass in addition: before Bullet's solver it gets the patch's velocity, afterwards the change by the joints goes to the nodes.
+// no mass in addition.
 //
 //   V = B^T v,   B = m ( 1 / M + I^-1 r x ) the distribution of an impulse at the frame over the patch's nodes
 //   W = B^T A^-1 B the mobility: the velocity that unit impulses and angular impulses on the frame give it within the substep, with A the
 //   masses of an explicit body, and the matrix of an implicit one, whose elasticity lets the whole body follow
 //
-// A rigid body of Bullet's has a mobility D without coupling; D = s diag( W ), s the least factor for which D - W is positive, so that no
-// joint overshoots. The force of the last substeps compensates for the excess of D: like gravity it acts on the patch before the solver,
-// and the frame's velocity that Bullet gets excludes it. docs/design/attachments.md.
+// The joints of frames are solved before Bullet's solver, with W and the masses of the rigid bodies on the joints. A rigid body of Bullet's
+// has a mobility D without coupling; D = s diag( W ), s the least factor for which D - W is positive, so that no joint overshoots. It gets
+// the velocity V - D P, P the solved impulse, and Bullet's solver finds P again and what contacts of the other bodies change in it. The
+// smoothed force of the joints acts on the patch in the next substep, like gravity. docs/design/attachments.md.
 
 #include "body/implicit/implicit_motion.h"
 #include "lattice/lattice.h"
+#include "world/joints/joint_mobility.h"
 
 #include <Eigen/Geometry>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -58,6 +61,8 @@ struct Frame
 	Vector6 force = Vector6::Zero();                   ///< learnt: of joints on the patch about the origin, N and N m
 	std::vector<float> response;                       ///< A^-1 B, six vectors, of an implicit body
 	Matrix6 mobility = Matrix6::Zero();                ///< W
+	Vector6 velocity = Vector6::Zero();                ///< of the patch, before the joints of a pass
+	Vector6 impulse = Vector6::Zero();                 ///< of the joints in this pass as they were solved for, N s and N m s
 	double learning = 0.0;           ///< fraction of the difference by which the learnt force follows the joints' in a substep
 	Vector6 given = Vector6::Zero(); ///< the velocity that Bullet's solver got
 	bool isSolved = false;           ///< Bullet's solver has it in this pass
@@ -84,15 +89,26 @@ public:
 	std::vector<Frame>& all() { return m_frames; }
 	const std::vector<Frame>& all() const { return m_frames; }
 	const Frame* find( const btRigidBody& rigid ) const;
+	bool has( const SoftBody& body ) const; ///< frames of it
 	/// Makes the frame of a rigid body the one with this number, in a saved state; `body`: null if its patch no longer existed.
 	void restore( std::size_t number, const btRigidBody& rigid, const Frame& state, SoftBody* body, const btDiscreteDynamicsWorld& world );
 	/// Gives the rigid bodies their masses again when all are restored.
 	void restoreMobilities();
 
 	// One pass, for the frames of one body.
-	void place( const SoftBody& body );                   ///< where its patch is
-	void press( SoftBody& body, bool isOn );              ///< adds the learnt forces to the nodes', or takes them out again
-	void before( SoftBody& body, double h, TaskRunner* ); ///< Bullet's solver
+	void place( const SoftBody& body );      ///< where its patch is
+	void press( SoftBody& body, bool isOn ); ///< adds the learnt forces to the nodes', or takes them out again
+	/// Velocities of an implicit body's nodes by impulses on them, as arrays of three components; `velocity` is the initial guess.
+	using Response = std::function<void( const float* impulse, float* velocity )>;
+	/// Before Bullet's solver: mobilities and velocities.
+	void measureMobility( SoftBody& body, const Response& response, TaskRunner* runner );
+	/// Solves the joints of the measured frames, each group with all bodies that joints connect, and applies the impulses to the patches.
+	void solve( const btAlignedObjectArray<btTypedConstraint*>& joints, double h, double erp );
+	void give(); ///< to Bullet's solver: the velocities of the measured frames
+	/// Lets Bullet's solver take more iterations for the joints of measured frames, where the game has set none: a frame's rigid body is
+	/// light, and what the joints lack in impulse moves the whole patch.
+	void refineJoints( const btAlignedObjectArray<btTypedConstraint*>& joints );
+	void restoreIterations();
 	void after( SoftBody& body, double h );
 	void hold( const SoftBody& body ); ///< the same for a body that is static, kinematic or in quarantine: its frames cannot be moved
 
@@ -104,6 +120,8 @@ public:
 	void settle( const SoftBody& parent, const btDiscreteDynamicsWorld& world );
 
 private:
+	/// The measured frames of each soft body, without the force that acts on them, N.
+	std::vector<JointGroup::Compliant> coupledPatches( double h ) const;
 	template <class F>
 	void forFramesOf( const SoftBody& body, F&& visit )
 	{
@@ -116,7 +134,8 @@ private:
 		}
 	}
 
-	std::vector<Frame> m_frames; ///< in the order in which they were made
+	std::vector<Frame> m_frames;               ///< in the order in which they were made
+	std::vector<btTypedConstraint*> m_refined; ///< joints with more iterations in this pass
 };
 
 } // namespace pliant

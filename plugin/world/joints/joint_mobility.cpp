@@ -6,6 +6,7 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
+#include <numeric>
 
 namespace pliant {
 
@@ -99,6 +100,26 @@ void JointGroup::addBodies( btRigidBody& body, const Joints& joints )
 				m_bodies.push_back( other );
 			}
 		}
+		addBodiesWith( *m_bodies[next] );
+	}
+}
+
+/// Adds all frames of the soft body of one of them: what moves one moves the others.
+void JointGroup::addBodiesWith( const btRigidBody& body )
+{
+	if ( !m_compliant )
+	{
+		return;
+	}
+	for ( const Compliant& each : *m_compliant )
+	{
+		if ( std::find( each.bodies.begin(), each.bodies.end(), &body ) != each.bodies.end() )
+		{
+			for ( const btRigidBody* const own : each.bodies )
+			{
+				indexOf( own ) < 0 ? m_bodies.push_back( const_cast<btRigidBody*>( own ) ) : void();
+			}
+		}
 	}
 }
 
@@ -120,7 +141,8 @@ void JointGroup::addRows( btTypedConstraint& joint, const std::vector<Load>& loa
 			load += each.body == &joint.getRigidBodyB() ? inB.dot( each.impulse ) : 0.0;
 		}
 		const double limit = std::min( -double( rows.low[at] ), double( rows.high[at] ) );
-		if ( !( limit > 0.0 && 2.0 * std::abs( load ) <= limit ) ) // a stop acts one way only; a motor near its limit does not hold
+		const bool holds = limit > 0.0 && 2.0 * std::abs( load ) <= limit; // a stop acts one way only; a motor near its limit does not hold
+		if ( !holds && !m_compliant )
 		{
 			continue;
 		}
@@ -146,6 +168,10 @@ void JointGroup::addRows( btTypedConstraint& joint, const std::vector<Load>& loa
 		m_targets[index] = target;
 		m_softness.conservativeResize( index + 1 );
 		m_softness[index] = double( rows.cfm[at] );
+		m_low.conservativeResize( index + 1 );
+		m_low[index] = double( rows.low[at] );
+		m_high.conservativeResize( index + 1 );
+		m_high[index] = double( rows.high[at] );
 		m_jointOfRow.push_back( &joint );
 	}
 }
@@ -159,9 +185,35 @@ bool JointGroup::collect( btRigidBody& body, const Joints& joints, const std::ve
 	{
 		return false;
 	}
+	addAllRows( joints, loads );
+	setMasses();
+	finish();
+	return true;
+}
+
+bool JointGroup::collectCompliant( btRigidBody& body, const Joints& joints, const std::vector<Compliant>& compliant, double h, double erp )
+{
+	m_h = h;
+	m_erp = erp;
+	m_compliant = &compliant;
+	addBodies( body, joints );
+	if ( m_bodies.size() > kMostJoined )
+	{
+		return false;
+	}
+	addAllRows( joints, {} );
+	setMasses();
+	solveWithinLimits();
+	return true;
+}
+
+void JointGroup::addAllRows( const Joints& joints, const std::vector<Load>& loads )
+{
 	m_rows.resize( 0, 6 * Eigen::Index( m_bodies.size() ) );
-	m_targets.resize( 0 );
-	m_softness.resize( 0 );
+	for ( Eigen::VectorXd* const array : { &m_targets, &m_softness, &m_low, &m_high } )
+	{
+		array->resize( 0 );
+	}
 	m_jointOfRow.clear();
 	for ( int k = 0; k < joints.size(); ++k )
 	{
@@ -170,11 +222,10 @@ bool JointGroup::collect( btRigidBody& body, const Joints& joints, const std::ve
 			addRows( *joints[k], loads );
 		}
 	}
-	finish();
-	return true;
 }
 
-void JointGroup::finish()
+/// Sets M^-1 and V + h M^-1 F.
+void JointGroup::setMasses()
 {
 	const Eigen::Index size = 6 * Eigen::Index( m_bodies.size() );
 	m_inverse = Eigen::MatrixXd::Zero( size, size );
@@ -194,6 +245,23 @@ void JointGroup::finish()
 		m_velocities.segment<6>( at ) = stacked( body.getLinearVelocity(), body.getAngularVelocity() ) +
 			m_h * ( m_inverse.block<6, 6>( at, at ) * stacked( body.getTotalForce(), body.getTotalTorque() ) );
 	}
+	const std::vector<Compliant> none;
+	for ( const Compliant& each : m_compliant ? *m_compliant : none )
+	{
+		for ( std::size_t a = 0; a < each.bodies.size() && contains( *each.bodies[a] ); ++a )
+		{
+			const Eigen::Index at = 6 * indexOf( each.bodies[a] ), own = 6 * Eigen::Index( a );
+			m_velocities.segment<6>( at ) = each.velocities.segment<6>( own );
+			for ( std::size_t b = 0; b < each.bodies.size(); ++b )
+			{
+				m_inverse.block<6, 6>( at, 6 * indexOf( each.bodies[b] ) ) = each.mobility.block<6, 6>( own, 6 * Eigen::Index( b ) );
+			}
+		}
+	}
+}
+
+void JointGroup::finish()
+{
 	m_mobility = m_inverse;
 	m_jointImpulses = Eigen::VectorXd::Zero( m_rows.rows() );
 	if ( m_rows.rows() == 0 )
@@ -209,6 +277,38 @@ void JointGroup::finish()
 	m_mobility += moved * m_jointResponse;
 	m_mobility = ( 0.5 * ( m_mobility + m_mobility.transpose() ) ).eval();
 	m_velocities += moved * factors.solve( m_targets - m_rows * m_velocities );
+}
+
+// ( J M^-1 J^T + C ) p = b - J V for the rows within their limits; a row that would exceed a limit keeps it, and the others are solved
+// again.
+void JointGroup::solveWithinLimits()
+{
+	const Eigen::Index count = m_rows.rows();
+	m_jointImpulses = Eigen::VectorXd::Zero( count );
+	Eigen::MatrixXd gram = m_rows * m_inverse * m_rows.transpose();
+	gram.diagonal() += m_softness;
+	gram.diagonal() *= 1.0 + kJointRounding; // rows may be redundant
+	const Eigen::VectorXd missing = m_targets - m_rows * m_velocities;
+	std::vector<Eigen::Index> open( static_cast<std::size_t>( count ) );
+	std::iota( open.begin(), open.end(), Eigen::Index( 0 ) );
+	for ( std::size_t before = open.size() + 1; !open.empty() && open.size() < before; )
+	{
+		before = open.size();
+		const Eigen::VectorXd left = missing - gram * m_jointImpulses;
+		const Eigen::VectorXd wanted = m_jointImpulses( open ) + gram( open, open ).ldlt().solve( left( open ) );
+		m_jointImpulses( open ) = wanted.cwiseMax( m_low( open ) ).cwiseMin( m_high( open ) );
+		std::vector<Eigen::Index> within;
+		for ( std::size_t k = 0; k < open.size(); ++k )
+		{
+			wanted[Eigen::Index( k )] == m_jointImpulses[open[k]] ? within.push_back( open[k] ) : void();
+		}
+		open.swap( within );
+	}
+}
+
+JointGroup::Vector6 JointGroup::jointImpulseOn( const btRigidBody& body ) const
+{
+	return m_rows.middleCols<6>( 6 * indexOf( &body ) ).transpose() * m_jointImpulses;
 }
 
 Eigen::MatrixXd JointGroup::mobilityOf( const std::vector<const btRigidBody*>& some ) const

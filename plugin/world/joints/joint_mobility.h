@@ -37,12 +37,25 @@ public:
 		Vector6 impulse;
 	};
 
+	/// Bodies with a mobility other than that of their masses: the frames of a soft body.
+	struct Compliant
+	{
+		std::vector<const btRigidBody*> bodies;
+		Eigen::MatrixXd mobility;   ///< six rows and columns for each body
+		Eigen::VectorXd velocities; ///< six for each body, in the present substep, m/s, rad/s
+	};
+
 	/// Whether an enabled joint holds the body, and none of its axes is locked.
 	static bool isHeld( const btRigidBody& body, const Joints& joints );
 	/// Collects the bodies that joints connect with a body, and the rows of these joints for a substep of h, s. `loads`: the impulses that
 	/// the joints will carry; a motor counts as holding if they are less than half of its limit. Returns false for a group that is too
 	/// large.
 	bool collect( btRigidBody& body, const Joints& joints, const std::vector<Load>& loads, double h, double erp );
+	/// The same with the mobility and velocities of some bodies given, and with all rows of the joints: solves for the impulses of this
+	/// substep within the rows' limits. `compliant` must live as long as the group.
+	bool collectCompliant( btRigidBody& body, const Joints& joints, const std::vector<Compliant>& compliant, double h, double erp );
+	/// After `collectCompliant`: impulse and angular impulse of the joints on a body, N s, N m s.
+	Vector6 jointImpulseOn( const btRigidBody& body ) const;
 	/// Whether a body is in the group.
 	bool contains( const btRigidBody& body ) const { return indexOf( &body ) >= 0; }
 	/// Returns W of some of the bodies: six rows and columns for each, velocity of the mass centre before angular velocity.
@@ -59,14 +72,20 @@ private:
 	struct Rows;
 	int indexOf( const btRigidBody* body ) const;
 	void addBodies( btRigidBody& body, const Joints& joints );
+	void addBodiesWith( const btRigidBody& body );
+	void addAllRows( const Joints& joints, const std::vector<Load>& loads );
 	void addRows( btTypedConstraint& joint, const std::vector<Load>& loads );
+	void setMasses();
 	void finish();
+	void solveWithinLimits();
 
 	double m_h = 0.0, m_erp = 0.0;
+	const std::vector<Compliant>* m_compliant = nullptr; ///< null: all bodies have the mobility of their masses
 	std::vector<btRigidBody*> m_bodies;
 	Eigen::MatrixXd m_rows;          ///< J
 	Eigen::VectorXd m_targets;       ///< b, m/s or rad/s
 	Eigen::VectorXd m_softness;      ///< diagonal of C
+	Eigen::VectorXd m_low, m_high;   ///< limits of the rows' impulses, N s or N m s
 	Eigen::MatrixXd m_inverse;       ///< M^-1
 	Eigen::MatrixXd m_mobility;      ///< W
 	Eigen::VectorXd m_velocities;    ///< V0

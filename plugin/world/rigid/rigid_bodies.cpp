@@ -128,12 +128,7 @@ bool SoftBodySystem::canBeRigid( const SoftBody& body ) const
 	return body.material().rigidStrain > 0.0f && arePinsStill( body ) && !impl.self && !impl.hasNodeForces && impl.newCuts.empty() &&
 		!body.isStaticOrKinematicObject() && impl.isHealthy && !impl.body->hasBrokenLinks() && !impl.follower &&
 		( !impl.forces || impl.forces->gas.law == GasLaw::None ) && ( attachments.isEmpty() || !attachments.contain( body ) ) &&
-		!hasFrame( body );
-}
-
-bool SoftBodySystem::hasFrame( const SoftBody& body ) const
-{
-	return std::any_of( frames.all().begin(), frames.all().end(), [&body]( const Frame& frame ) { return frame.body == &body; } );
+		!frames.has( body );
 }
 
 void SoftBodySystem::deform( SoftBody& body )

@@ -163,6 +163,11 @@ Vec3 SoftBodySystem::ownAcceleration( const SoftBody& body ) const
 	return toVec3( btScalar( impl.gravityShare ) * gravityOf( body ) + impl.centralForce / btScalar( impl.mass ) );
 }
 
+bool SoftBodySystem::isHeld( const SoftBody& body ) const
+{
+	return ( !attachments.isEmpty() && attachments.contain( body ) ) || frames.has( body );
+}
+
 // v' = v + g ( h0 + h ) / 2, h0 the last substep's length: the positions x' = x + h v' then lie on one parabola whatever the steps, as
 // those of equal steps do. Not of bodies that can break: shards chatter on the ground in changing steps.
 double SoftBodySystem::gravityShareOf( const SoftBody& body, double h ) const
@@ -171,7 +176,7 @@ double SoftBodySystem::gravityShareOf( const SoftBody& body, double h ) const
 	const double last = impl.lastSubstep;
 	const bool hasChanged = last > 0.0 && std::abs( last - h ) > kParallel * h;
 	const bool isInFlight = hasChanged && body.fracture().rule == BreakRule::Never && impl.touched.empty() && impl.pins.empty() &&
-		!impl.follower && !attachments.contain( body );
+		!impl.follower && !isHeld( body );
 	return isInFlight ? 0.5 * ( last + h ) / h : 1.0;
 }
 
@@ -325,7 +330,7 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 		{
 			impl.follower->sum( *impl.body, double( h ) ); // of the velocities of its solution
 		}
-		if ( impl.isImplicit && impl.touched.empty() && ( attachments.isEmpty() || !attachments.contain( body ) ) )
+		if ( impl.isImplicit && impl.touched.empty() && !isHeld( body ) )
 		{
 			impl.body->bendToArcs( float( h ) );
 		}

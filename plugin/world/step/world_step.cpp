@@ -332,7 +332,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 	if ( m_isStepping )
 	{
 		bodies.solveImplicit( m_parts.constraints, dispatcher, info );
-		bodies.giveFrames( info.m_timeStep );
+		bodies.giveFrames( m_parts.constraints, info );
 	}
 	m_stages.baseSolve( info ); // joints, and contacts without a deformable body
 	if ( m_isStepping )
