@@ -197,6 +197,8 @@ inline constexpr double kSweepRelaxation = 1.4;
 /// settle in 8 passes, the hardest of 600 in 49.
 inline constexpr int kMostHardPasses = 60;
 inline constexpr double kLargestFrictionTorque = 2.0;
+/// The same where nodes would keep this fraction of the contacts' impulses as momentum into an obstacle.
+inline constexpr double kLargestMomentumLeft = 0.1;
 /// The friction on each body must be accurate to this fraction of the limits of all its contacts, or another pass follows, up to
 /// kMostFairPasses: compared with the friction of a heavy body on the floor, that of a light body on it is negligible.
 inline constexpr double kPartError = 0.1;

@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pliant {
 
@@ -277,6 +278,41 @@ bool IslandBlock::isUnphysical() const
 		limit += contact.friction * std::max( 0.0, contact.normalImpulse );
 	}
 	return pull > kImpulseError * press || tangent > kLargestFrictionTorque * limit;
+}
+
+namespace {
+
+/// The smaller mass of a contact's nodes, kg.
+double nodeMass( const IslandBlock& block, const BlockContact& contact )
+{
+	double least = std::numeric_limits<double>::max();
+	for ( const ContactSide& side : contact.side )
+	{
+		if ( side.soft >= 0 )
+		{
+			least = std::min( least, double( block.soft[std::size_t( side.soft )].motion->nodes().mass[std::size_t( side.node )] ) );
+		}
+	}
+	return least;
+}
+
+} // namespace
+
+// After a pass in which contacts of a stiff body pull, all of them may release at once.
+bool IslandBlock::leavesApproach() const
+{
+	double press = 0.0, left = 0.0, mass = 0.0;
+	for ( const BlockContact& contact : contacts )
+	{
+		press += contact.isAttachment() ? 0.0 : std::abs( contact.normalImpulse );
+		if ( !contact.isActive && ( contact.side[0].soft >= 0 || contact.side[1].soft >= 0 ) )
+		{
+			const double node = nodeMass( *this, contact ), along = contact.normal.dot( relativeVelocity( contact, m_next.data() ) );
+			left += node * std::max( 0.0, contact.target - along );
+			mass += node;
+		}
+	}
+	return left > kLargestMomentumLeft * press + double( kGradientSpeed ) * mass;
 }
 
 // Uses the linearised law, not the law at v: impulses that belong to no solved system would add energy.

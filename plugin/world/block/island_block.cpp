@@ -324,7 +324,7 @@ bool IslandBlock::mayStop( int passes )
 	const Match match = matchAt( m_next.data() );
 	const bool isSettled = match.all && match.each;
 	return isSettled || passes >= kMostHardPasses ||
-		( passes >= kMostPasses && !isUnphysical() && ( match.each || passes >= kMostFairPasses ) );
+		( passes >= kMostPasses && !isUnphysical() && !leavesApproach() && ( match.each || passes >= kMostFairPasses ) );
 }
 
 void IslandBlock::readSolution()

@@ -327,8 +327,8 @@ private:
 	void chooseStiffness();
 	/// `passes`: the number of passes made so far.
 	void linearise( const float* v, int passes );
-	/// Returns true if contacts pull, or friction exceeds its limits by far.
-	bool isUnphysical() const;
+	bool isUnphysical() const; ///< contacts pull, or friction exceeds its limits by far
+	bool leavesApproach() const; ///< contacts without an impulse leave nodes a momentum that counts beside the others' impulses
 	Match matchAt( const float* v );
 	void readImpulses( const float* v );
 	/// Returns the fraction of the segment from m_v to m_next at which the energy is lowest.
