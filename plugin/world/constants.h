@@ -76,7 +76,7 @@ inline constexpr double kSplitEnergy = 5e-4;
 inline constexpr double kLeastFacing = 0.5;
 /// A sum of outward vectors shorter than this is rounding error: the material continues equally in all directions.
 inline constexpr float kLeastOutward = 1e-3f;
-/// Margin of the list of near pairs beyond the contact distance, in radii of the largest node.
+/// Margin of the list of pairs of nodes that may touch, in radii of the largest node.
 inline constexpr double kNearMargin = 0.5;
 /// Nodes that are this many diameters apart at rest, with material between them, cannot be brought into contact by crushing it.
 inline constexpr double kCrushedNodes = 8.0;

@@ -119,8 +119,7 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
 	skin.nodesChanged();
 	if ( self )
 	{
-		self->search.relink( keepsNumbers ? std::vector<std::uint32_t>() : nodeNow,
-			SelfSearch::CellsNow{ body->lattice(), piece.cellBefore, piece.touched } );
+		self->search.relink( SelfSearch::CellsNow{ body->lattice(), piece.cellBefore, piece.touched } );
 	}
 	++fractureVersion;
 }

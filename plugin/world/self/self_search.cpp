@@ -20,9 +20,9 @@ double radiusOf( const SoftBody::Impl& impl, int node )
 
 } // namespace
 
-void SelfSearch::relink( const std::vector<std::uint32_t>& nodeNow, const CellsNow& cells )
+void SelfSearch::relink( const CellsNow& cells )
 {
-	m_near.renumber( nodeNow );
+	m_isListed = false;
 	if ( !m_depth.empty() )
 	{
 		std::vector<std::uint32_t> depth;
@@ -43,7 +43,7 @@ void SelfSearch::relink( const std::vector<std::uint32_t>& nodeNow, const CellsN
 
 void SelfSearch::renumber( const std::vector<std::uint32_t>& nodeNow )
 {
-	m_near.renumber( nodeNow );
+	m_isListed = false;
 	std::size_t kept = 0;
 	for ( const Slack& slack : m_slack )
 	{
@@ -63,12 +63,82 @@ const std::vector<NodeHit>& SelfSearch::find( const SoftBody& soft, double step 
 	m_step = step;
 	m_rotation.clear();
 	m_hits.clear();
-	for ( const std::uint64_t pair : m_near.of( soft, step ) )
+	const VelocityBounds& velocities = m_body->velocities();
+	const double margin = kNearMargin * double( soft.impl().shape->largestRadius() );
+	const double closing = step * double( ( Vec3( velocities.high ) - Vec3( velocities.low ) ).norm() );
+	// Half of the margin is for the approach within this step, so that one fast node does not make all others candidates.
+	if ( !m_isListed || hasMoved( 0.5 * ( margin - std::min( closing, 0.5 * margin ) ) ) )
+	{
+		listPairs( margin );
+	}
+	for ( const std::uint64_t pair : m_pairs )
 	{
 		testPair( int( pair >> 32 ), int( pair & 0xffffffffu ) );
 	}
 	applySlack();
 	return m_hits;
+}
+
+/// Whether a node has moved by more than `most`, m, since the pairs were listed, apart from the mean motion: a body in flight does not
+/// count as moving.
+bool SelfSearch::hasMoved( double most ) const
+{
+	const NodeState& nodes = m_body->nodes();
+	Vec3 mean = Vec3::Zero();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		mean += nodes.x.get( i ) - m_listedAt.get( i );
+	}
+	mean /= float( nodes.count );
+	float farthest = 0.0f;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		farthest = std::max( farthest, ( nodes.x.get( i ) - m_listedAt.get( i ) - mean ).squaredNorm() );
+	}
+	return double( farthest ) > most * most;
+}
+
+/// Lists the pairs of spheres that are no farther apart than the margin, m, ascending.
+void SelfSearch::listPairs( double margin )
+{
+	m_isListed = true;
+	m_listedAt = m_body->nodes().x;
+	const SphereRows& rows = m_soft->impl().shape->rows();
+	const btScalar most = btScalar( margin );
+	const btVector3 approach( most, most, most );
+	SphereRows::findPairs( rows, rows, SphereRows::Approach{ btVector3( 0, 0, 0 ), -approach, approach }, m_found );
+	m_pairs.clear();
+	for ( const SphereRows::NearSpheres& pair : m_found.found )
+	{
+		const double farthest = double( pair.reach ) + margin;
+		if ( pair.nodeA < pair.nodeB && double( pair.squaredDistance ) <= farthest * farthest &&
+			!areHeldTogether( pair.nodeA, pair.nodeB ) )
+		{
+			m_pairs.push_back( std::uint64_t( pair.nodeA ) << 32 | std::uint32_t( pair.nodeB ) );
+		}
+	}
+	std::sort( m_pairs.begin(), m_pairs.end() );
+}
+
+/// Whether one region holds both nodes, or both are held with the same third node.
+bool SelfSearch::areHeldTogether( int a, int b ) const
+{
+	const Levels* levels = m_body->levels();
+	const std::vector<std::uint32_t>& start = levels ? levels->matrix().start : m_body->lattice().linkStart;
+	const std::vector<std::uint32_t>& to = levels ? levels->matrix().member : m_body->lattice().linkTo;
+	auto ofA = to.begin() + start[std::size_t( a )], ofB = to.begin() + start[std::size_t( b )];
+	const auto endA = to.begin() + start[std::size_t( a ) + 1], endB = to.begin() + start[std::size_t( b ) + 1];
+	bool isLinked = false; // most pairs are: without a branch
+	std::for_each( ofA, endA, [&]( std::uint32_t other ) { isLinked |= other == std::uint32_t( b ); } );
+	if ( isLinked )
+	{
+		return true;
+	}
+	while ( ofA != endA && ofB != endB && *ofA != *ofB ) // both rows ascend
+	{
+		*ofA < *ofB ? ++ofA : ++ofB;
+	}
+	return ofA != endA && ofB != endB;
 }
 
 void SelfSearch::testPair( int a, int b )
@@ -204,7 +274,7 @@ void SelfSearch::archive( Archive& archive )
 		"The allowances of a body with itself are not in order." );
 	if ( archive.isReading() )
 	{
-		m_near = NearPairs();
+		m_isListed = false;
 		m_depth.clear();
 		m_rotation.clear();
 	}

@@ -10,7 +10,7 @@
 // the spheres, as in all other contacts, and the field gives only the direction.
 
 #include "world/search/node_search.h"
-#include "world/self/near_pairs.h"
+#include "world/shape/sphere_rows.h"
 
 #include <cstdint>
 #include <vector>
@@ -33,11 +33,11 @@ public:
 		const std::vector<std::uint32_t>& before;
 		const std::vector<std::uint32_t>& touched;
 	};
-	/// Follows a cut. `nodeNow` by previous number, kNoNode where the node is gone; empty: numbers are unchanged.
-	void relink( const std::vector<std::uint32_t>& nodeNow, const CellsNow& cells );
-	/// Follows a change of node numbers that keeps their order.
+	/// Follows a cut.
+	void relink( const CellsNow& cells );
+	/// Follows a change of node numbers that keeps their order. `nodeNow` by previous number, kNoNode where the node is gone.
 	void renumber( const std::vector<std::uint32_t>& nodeNow );
-	/// Writes or reads the data that one search passes to the next; lists that only save time are rebuilt.
+	/// Writes or reads the data that one search passes to the next; what only saves time is computed again.
 	void archive( Archive& archive );
 
 private:
@@ -49,6 +49,9 @@ private:
 		void archive( Archive& archive );
 	};
 
+	bool hasMoved( double most ) const;
+	void listPairs( double margin );
+	bool areHeldTogether( int a, int b ) const;
 	void testPair( int a, int b );
 	Touch touchOf( int a, int b, const Vec3& apart );
 	bool faceAwayAtRest( int a, int b );
@@ -60,7 +63,10 @@ private:
 	const Body* m_body = nullptr;
 	double m_step = 0.0;
 	std::vector<NodeHit> m_hits;
-	NearPairs m_near;
+	std::vector<std::uint64_t> m_pairs; ///< that may touch until a node has moved too far, as lower number << 32 | higher, ascending
+	bool m_isListed = false;
+	Vec3Array m_listedAt; ///< the nodes' positions when they were listed
+	SphereRows::Pairs m_found;
 	std::vector<std::uint32_t> m_depth;      ///< floodInside; empty: not yet computed
 	std::vector<float> m_rotation;           ///< 4 per node; empty: not yet computed in this search
 	std::vector<Slack> m_slack, m_slackNext; ///< sorted by key

@@ -26,7 +26,7 @@ const std::vector<NodeHit>& SelfSearch::find( const SoftBody&, double )
 	return m_hits; // none
 }
 
-void SelfSearch::relink( const std::vector<std::uint32_t>&, const CellsNow& ) {}
+void SelfSearch::relink( const CellsNow& ) {}
 void SelfSearch::renumber( const std::vector<std::uint32_t>& ) {}
 
 void SelfSearch::archive( Archive& ) {}

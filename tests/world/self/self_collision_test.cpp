@@ -1,6 +1,7 @@
 // Bodies whose parts collide with each other: sides of a cut, arms that swing together. Steinemann et al. 2008, section 7.
 
 #include "world/levels/adaptive_bodies.h"
+#include "world/self/all_pairs.h"
 
 #include "lattice/inside/inside_distance.h"
 #include "support/block_lattice.h"
@@ -194,46 +195,12 @@ TEST( SelfCollision, EqualsTheTestOfAllPairs )
 		SoftBody* const soft = addSlitBlock( test, test::levels( coarse ) );
 		EXPECT_TRUE( soft->setSelfCollision( true ).ok() );
 		swingTogether( *soft );
-		SelfSearch search; // a continuing search: pairs gathered long ago must still be sufficient
+		SelfSearch search;
 		int touching = 0;
 		for ( int frame = 0; frame < 40; ++frame )
 		{
 			test.run( 1 );
-			const SoftBody::Impl& impl = soft->impl();
-			const NodeState& nodes = impl.body->nodes();
-			const Levels* levels = impl.body->levels();
-			const std::vector<std::uint32_t>& start = levels ? levels->matrix().start : impl.body->lattice().linkStart;
-			const std::vector<std::uint32_t>& to = levels ? levels->matrix().member : impl.body->lattice().linkTo;
-			const std::vector<NodeHit>& hits = search.find( *soft, 0.0 );
-			std::size_t seen = 0;
-			for ( int a = 0; a < nodes.count; ++a )
-			{
-				std::vector<std::uint8_t> isHeld( std::size_t( nodes.count ), 0 );
-				for ( std::uint32_t k = start[std::size_t( a )]; k < start[std::size_t( a ) + 1]; ++k )
-				{
-					isHeld[to[k]] = 1;
-					for ( std::uint32_t l = start[to[k]]; l < start[to[k] + 1]; ++l )
-					{
-						isHeld[to[l]] = 1;
-					}
-				}
-				for ( int b = a + 1; b < nodes.count; ++b )
-				{
-					const double radii = double( soft->nodeRadius( a ) + soft->nodeRadius( b ) );
-					const double wanted = std::min( radii, double( ( nodes.x0.get( a ) - nodes.x0.get( b ) ).norm() ) );
-					const bool collide = impl.shape->childOfNode( a ) >= 0 && impl.shape->childOfNode( b ) >= 0 &&
-						!isHeld[std::size_t( b )];
-					if ( collide &&
-						double( ( nodes.x.get( a ) - nodes.x.get( b ) ).norm() ) < wanted + 0.03 * double( soft->nodeRadius( a ) ) )
-					{
-						const std::uint64_t key = std::uint64_t( a ) << 32 | std::uint32_t( b );
-						EXPECT_TRUE( std::any_of( hits.begin(), hits.end(), [key]( const NodeHit& hit ) { return hit.key == key; } ) );
-						++seen;
-					}
-				}
-			}
-			EXPECT_LE( seen, hits.size() );
-			touching += int( seen );
+			touching += test::expectAllPairs( *soft, search );
 		}
 		EXPECT_GT( touching, 100 );
 	}
