@@ -14,13 +14,6 @@ inline constexpr double kSurfaceTolerance = 1e-2;
 /// Sphere radii are rounded to steps of 2^(1/16), so that nodes can share shapes.
 inline constexpr double kRadiusStepsPerOctave = 16.0;
 
-/// Prefetch distance in the contacts of a pair.
-inline constexpr std::size_t kContactsAhead = 2;
-/// Prefetch distance in a body's contact proxies.
-inline constexpr std::size_t kProxiesAhead = 4;
-/// Prefetch distance in contact points that are moved back to the surfaces.
-inline constexpr std::size_t kPositionsAhead = 12;
-
 /// Contacts are created at least this far before touch, in node radii, so that a resting contact does not flicker.
 inline constexpr btScalar kContactSlop = btScalar( 0.04 );
 /// Largest distance at which a node that pressed an object in the last substep keeps its contact, in node radii.

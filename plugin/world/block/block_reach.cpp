@@ -1,7 +1,7 @@
 #include "world/block/block_reach.h"
 
 #include "world/block/block_contacts.h"
-#include "world/bodies/prefetch.h"
+#include "world/bodies/manifolds.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/joints/attachments.h"
@@ -124,7 +124,7 @@ void BlockReach::choose( btDispatcher& dispatcher, const Attachments& attachment
 	m_up = gravity.fuzzyZero() ? btVector3( 0, 0, 0 ) : -gravity.normalized();
 	m_edges.clear();
 	m_manifolds.clear();
-	forEachManifold( dispatcher, prefetchEnd, [&]( btPersistentManifold& manifold ) {
+	forEachManifold( dispatcher, [&]( btPersistentManifold& manifold ) {
 		const bool isInBlock = manifold.getNumContacts() > 0 && addManifold( manifold, lookup );
 		if ( isInBlock || taken.mayContain( manifold ) )
 		{

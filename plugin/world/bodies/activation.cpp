@@ -6,7 +6,7 @@
 
 #include "body/rigid_state.h"
 #include "matching/step/lattice_matcher.h"
-#include "world/bodies/prefetch.h"
+#include "world/bodies/manifolds.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/step/soft_body_system.h"
@@ -224,7 +224,7 @@ bool SoftBodySystem::wakeHit()
 	for ( bool isChanged = true; isChanged; )
 	{
 		isChanged = false;
-		forEachManifold( m_dispatcher, prefetchEnd, [&]( btPersistentManifold& manifold ) {
+		forEachManifold( m_dispatcher, [&]( btPersistentManifold& manifold ) {
 			SoftBody* const soft[2] = { ownerOfContactProxy( manifold.getBody0() ), ownerOfContactProxy( manifold.getBody1() ) };
 			for ( int k = 0; manifold.getNumContacts() > 0 && soft[0] && soft[1] && k < 2; ++k )
 			{
@@ -251,10 +251,8 @@ void SoftBodySystem::wakeTouched()
 	{
 		const std::vector<ContactProxy*>& touched = body->impl().touched;
 		bool wakes = false;
-		for ( std::size_t k = 0; k < touched.size(); ++k )
+		for ( ContactProxy* const proxy : touched )
 		{
-			ContactProxy* const proxy = touched[k];
-			ContactProxyPool::prefetchVelocity( *touched[std::min( k + kProxiesAhead, touched.size() - 1 )] );
 			wakes = wakes || ( proxy->wasAsleep && proxy->isActive() );
 			if ( !body->isActive() )
 			{

@@ -1,6 +1,5 @@
 #include "world/detect/node_contacts.h"
 
-#include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/search/contact_points.h"
@@ -64,7 +63,6 @@ PairContacts::~PairContacts()
 	{
 		std::replace( m_scratch.postponed.begin(), m_scratch.postponed.end(), this, static_cast<PairContacts*>( nullptr ) );
 	}
-	m_scratch.last = m_scratch.last == this ? nullptr : m_scratch.last;
 	if ( m_scratch.matching == this ) // a callback of the game has removed one of the two
 	{
 		m_scratch.matching = nullptr;
@@ -140,13 +138,6 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 	SoftBody* const soft0 = softOf( &body0 );
 	SoftBody* const soft1 = softOf( &body1 );
 	m_phase = m_pool.phase();
-	prefetch( m_nextPair, sizeof( PairContacts ) );
-	if ( m_scratch.last )
-	{
-		m_scratch.last->m_nextPair = this;
-	}
-	m_scratch.last = this;
-	prefetch( m_contacts.data(), kCacheLine );
 	if ( !followNodes( soft0, soft1 ) )
 	{
 		return;
@@ -262,30 +253,11 @@ bool PairContacts::followNodes( const SoftBody* soft0, const SoftBody* soft1 )
 	return exists;
 }
 
-void PairContacts::prefetchAhead( std::size_t contact ) const
-{
-	if ( contact >= m_contacts.size() )
-	{
-		return;
-	}
-	const NodeContact& ahead = m_contacts[contact];
-	prefetchManifold( *ahead.manifold );
-	ContactProxyPool::prefetchAhead( *ahead.first );
-	if ( ahead.second )
-	{
-		ContactProxyPool::prefetchAhead( *ahead.second );
-	}
-}
-
 // Continues the contacts that still have a hit, drops the others and creates new ones, in the order of the keys.
 void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits )
 {
 	std::size_t& old = m_scratch.old;
 	startMatching();
-	for ( std::size_t k = 0; k <= kContactsAhead && !hits.empty(); ++k )
-	{
-		prefetchAhead( k );
-	}
 	for ( std::size_t start = 0, end = 0; start < hits.size(); start = end )
 	{
 		const std::uint64_t key = hits[start].key;
@@ -300,7 +272,6 @@ void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits
 		if ( old < m_contacts.size() && m_contacts[old].key == key )
 		{
 			contact = m_contacts[old++];
-			prefetchAhead( old + kContactsAhead );
 			m_pool.refresh( *contact.first );
 			if ( contact.second )
 			{

@@ -33,7 +33,6 @@ struct PairScratch
 {
 	NodeSearch search;
 	std::vector<NodeContact> contacts;
-	PairContacts* last = nullptr;     ///< processed last
 	PairContacts* matching = nullptr; ///< whose contacts are being matched; null where a callback of the game has destroyed it
 	std::size_t old = 0;              ///< number of its contacts already carried over into `contacts`, or dropped
 	std::vector<PairContacts*> all;
@@ -107,7 +106,6 @@ private:
 	bool followNodes( const SoftBody* soft0, const SoftBody* soft1 );
 	void startMatching();
 	void endMatching();
-	void prefetchAhead( std::size_t contact ) const;
 	void matchHits( const Pair& pair, const std::vector<NodeHit>& hits );
 	void create( const Pair& pair, NodeContact& contact );
 	bool write( const Pair& pair, const NodeContact& contact, const NodeHit* hits, int count );
@@ -121,9 +119,7 @@ private:
 	PairScratch& m_scratch;
 	std::vector<NodeContact> m_contacts;
 	Parting m_parting;
-	bool m_isNew = true; ///< not processed yet
-	const void* m_nextPair =
-		nullptr;              ///< processed after it in the last phase: prefetched but never dereferenced, as it may have been deleted
+	bool m_isNew = true;      ///< not processed yet
 	unsigned m_numbering = 0; ///< of both bodies, when their nodes were last followed
 	unsigned m_phase = 0;     ///< collision phase in which it was last processed
 	std::size_t m_position;   ///< index in PairScratch::all; kNotListed before it was first processed

@@ -1,6 +1,5 @@
 // Collects and writes the state of a world.
 
-#include "world/bodies/prefetch.h"
 #include "world/io/world_snapshot.h"
 
 #include <algorithm>
@@ -263,13 +262,10 @@ void WorldSnapshot::writeManifolds( Archive& archive, bool areNumbered )
 		}
 		std::exclusive_scan( rankAt.begin(), rankAt.end(), rankAt.begin(), 0 );
 	}
-	constexpr std::size_t kAhead = 6; // manifolds prefetched before they are written
-	for ( std::size_t k = 0; k < m_manifolds.size(); ++k )
+	for ( const btPersistentManifold* const manifold : m_manifolds )
 	{
-		const btPersistentManifold& manifold = *m_manifolds[k];
-		prefetchManifold( *m_manifolds[std::min( k + kAhead, m_manifolds.size() - 1 )] );
-		const int rank = areNumbered ? rankAt[std::size_t( manifold.m_index1a )] : manifold.m_index1a;
-		ManifoldRecord::write( archive, manifold, rank, m_step.m_impulses.find( manifold ) );
+		const int rank = areNumbered ? rankAt[std::size_t( manifold->m_index1a )] : manifold->m_index1a;
+		ManifoldRecord::write( archive, *manifold, rank, m_step.m_impulses.find( *manifold ) );
 	}
 }
 

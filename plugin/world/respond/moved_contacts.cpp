@@ -1,13 +1,10 @@
 #include "world/respond/moved_contacts.h"
 
-#include "world/bodies/prefetch.h"
+#include "world/bodies/manifolds.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
-
-#include <algorithm>
-#include <cstddef>
 
 namespace pliant {
 
@@ -18,17 +15,15 @@ void MovedContacts::moveToNodes( btDispatcher& dispatcher, const btContactSolver
 	m_deep.clear();
 	m_hasRollingFriction = false;
 	m_manifolds.clear();
-	forEachManifold( dispatcher, prefetchEnd, [this]( btPersistentManifold& manifold ) {
+	forEachManifold( dispatcher, [this]( btPersistentManifold& manifold ) {
 		if ( ownerOfContactProxy( manifold.getBody0() ) || ownerOfContactProxy( manifold.getBody1() ) )
 		{
 			m_manifolds.push_back( &manifold );
 		}
 	} );
-	for ( std::size_t m = 0; m < m_manifolds.size(); ++m )
+	for ( btPersistentManifold* const each : m_manifolds )
 	{
-		prefetch( m_manifolds[std::min( m + kPositionsAhead, m_manifolds.size() - 1 )],
-			offsetof( btManifoldPoint, m_partId0 ) + sizeof( btVector3 ) ); // position of the first point, and its surface properties
-		btPersistentManifold& manifold = *m_manifolds[m];
+		btPersistentManifold& manifold = *each;
 		const bool nodeIsFirst = ownerOfContactProxy( manifold.getBody0() ) != nullptr;
 		const auto& node = static_cast<const ContactProxy&>( *( nodeIsFirst ? manifold.getBody0() : manifold.getBody1() ) );
 		const btScalar radius = node.radius();
@@ -60,10 +55,9 @@ void MovedContacts::moveBack()
 	{
 		*deep.distance = deep.original;
 	}
-	for ( std::size_t k = 0; k < m_moved.size(); ++k )
+	for ( const Moved& moved : m_moved )
 	{
-		prefetch( m_moved[std::min( k + kPositionsAhead, m_moved.size() - 1 )].point, sizeof( btVector3 ) );
-		*m_moved[k].point = m_moved[k].original;
+		*moved.point = moved.original;
 	}
 }
 

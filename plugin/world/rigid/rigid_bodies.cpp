@@ -1,7 +1,7 @@
 // Soft bodies in their rigid state: when they enter and leave it, and how they are moved.
 
 #include "body/rigid_state.h"
-#include "world/bodies/prefetch.h"
+#include "world/bodies/manifolds.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/detect/pair_contacts.h"
 #include "world/rigid/rigid_load.h"
@@ -21,7 +21,7 @@ namespace {
 template <class Replacement>
 void exchangeSides( btDispatcher& dispatcher, const Replacement& replacement )
 {
-	forEachManifold( dispatcher, prefetchEnd, [&replacement]( btPersistentManifold& manifold ) {
+	forEachManifold( dispatcher, [&replacement]( btPersistentManifold& manifold ) {
 		const btCollisionObject* const first = replacement( manifold.getBody0(), manifold );
 		const btCollisionObject* const second = replacement( manifold.getBody1(), manifold );
 		if ( first || second )
@@ -107,7 +107,7 @@ template <class Visit>
 void forRigidContacts( btDispatcher& dispatcher, const btContactSolverInfo& info, Visit&& visit )
 {
 	const btScalar deepest = kRigidParting * info.m_timeStep / btMax( info.m_erp2, kLeastCorrection );
-	forEachManifold( dispatcher, prefetchEnd, [&visit, deepest]( btPersistentManifold& manifold ) {
+	forEachManifold( dispatcher, [&visit, deepest]( btPersistentManifold& manifold ) {
 		if ( !ownerOfRigidProxy( manifold.getBody0() ) && !ownerOfRigidProxy( manifold.getBody1() ) )
 		{
 			return;
@@ -164,7 +164,7 @@ void SoftBodySystem::removeContacts( SoftBody& body )
 						  : void();
 	};
 	note( body );
-	forEachManifold( m_dispatcher, prefetchEnd, [&]( const btPersistentManifold& manifold ) {
+	forEachManifold( m_dispatcher, [&]( const btPersistentManifold& manifold ) {
 		btCollisionObject &first = ownerOf( *manifold.getBody0() ), &second = ownerOf( *manifold.getBody1() );
 		&first == &body ? note( second ) : &second == &body ? note( first ) : void();
 	} );
@@ -213,7 +213,7 @@ void SoftBodySystem::leaveScenery( SoftBody& body )
 double SoftBodySystem::loadOn( const SoftBody& body ) const
 {
 	double impulse = 0.0;
-	forEachManifold( m_dispatcher, prefetchEnd, [&]( const btPersistentManifold& manifold ) {
+	forEachManifold( m_dispatcher, [&]( const btPersistentManifold& manifold ) {
 		const bool isOn = ownerOfContactProxy( manifold.getBody0() ) == &body || ownerOfContactProxy( manifold.getBody1() ) == &body;
 		impulse += isOn ? impulseOf( manifold ) : 0.0;
 	} );
@@ -307,7 +307,7 @@ void SoftBodySystem::brakeRigidProxies( btDispatcher& dispatcher )
 			body.setAngularVelocity( body.getAngularVelocity() * btMin( btScalar( 1 ), fastest / btMax( speed, fastest ) ) );
 		}
 	};
-	forEachManifold( dispatcher, prefetchEnd, [&brake]( btPersistentManifold& manifold ) {
+	forEachManifold( dispatcher, [&brake]( btPersistentManifold& manifold ) {
 		const SoftBody *const first = ownerOfRigidProxy( manifold.getBody0() ), *const second = ownerOfRigidProxy( manifold.getBody1() );
 		if ( !first && !second )
 		{

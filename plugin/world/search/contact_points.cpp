@@ -1,6 +1,5 @@
 #include "world/search/contact_points.h"
 
-#include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/search/node_search.h"
 #include "world/shape/contact_proxy.h"
@@ -51,11 +50,11 @@ void fillPoint(
 	const bool isPatch = hit.touch.reach >= 0.0;
 	const btVector3 own = isPatch ? toBt( hit.touch.ownPoint( double( radius ) ) ) : btVector3( outward * -radius );
 	const btVector3 other = isPatch ? toBt( hit.touch.otherPoint( double( radius ) ) ) : btVector3( outward * -distance );
-	setWhole( nodeIsFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB, node.written + own );
-	setWhole( nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA, node.written + other );
-	setWhole( point.m_localPointA, toLocal( *manifold.getBody0(), point.m_positionWorldOnA ) );
-	setWhole( point.m_localPointB, toLocal( *manifold.getBody1(), point.m_positionWorldOnB ) );
-	setWhole( point.m_normalWorldOnB, nodeIsFirst ? outward : -outward );
+	( nodeIsFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB ) = node.written + own;
+	( nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA ) = node.written + other;
+	point.m_localPointA = toLocal( *manifold.getBody0(), point.m_positionWorldOnA );
+	point.m_localPointB = toLocal( *manifold.getBody1(), point.m_positionWorldOnB );
+	point.m_normalWorldOnB = nodeIsFirst ? outward : -outward;
 	point.m_distance1 = distance - radius;
 	point.m_partId0 = nodeIsFirst ? -1 : hit.part;
 	point.m_index0 = nodeIsFirst ? node.node : hit.index;

@@ -1,6 +1,5 @@
 #include "world/shape/contact_proxy.h"
 
-#include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
@@ -193,19 +192,6 @@ void ContactProxyPool::renumber( SoftBody& owner, const std::vector<std::uint32_
 	}
 }
 
-void ContactProxyPool::prefetchVelocity( const ContactProxy& body )
-{
-	prefetch( &body.getWorldTransform().getOrigin(), sizeof( btVector3 ) );
-	prefetch( &body.getLinearVelocity(), sizeof( btVector3 ) );
-	prefetch( &body.owner, 1 );
-}
-
-void ContactProxyPool::prefetchAhead( const ContactProxy& body )
-{
-	prefetchVelocity( body );
-	prefetchIdentity( body );
-}
-
 void ContactProxyPool::refresh( ContactProxy& body )
 {
 	if ( body.stamp == m_phase )
@@ -233,8 +219,8 @@ void ContactProxyPool::refresh( ContactProxy& body )
 	body.setCollisionFlags( flags );
 
 	const btVector3 position = impl.position( body.node );
-	setWhole( body.written, position );
-	setWhole( body.getWorldTransform().getOrigin(), position );
+	body.written = position;
+	body.getWorldTransform().setOrigin( position );
 	const bool isDirected = owner.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION );
 	if ( isDirected )
 	{
@@ -245,7 +231,7 @@ void ContactProxyPool::refresh( ContactProxy& body )
 		body.getWorldTransform().getBasis().setIdentity();
 	}
 	body.isDirected = isDirected;
-	setWhole( const_cast<btVector3&>( body.getLinearVelocity() ), velocity );
+	const_cast<btVector3&>( body.getLinearVelocity() ) = velocity;
 	if ( body.step != m_step ) // otherwise cache lines that are not read stay untouched; a callback of the game may have set them
 	{
 		body.step = m_step;

@@ -115,10 +115,6 @@ public:
 	void forget( const ContactProxy& body );
 	/// Copies position, velocity, mass and surface properties from the node, once per phase.
 	void refresh( ContactProxy& body );
-	/// Prefetches the data that refresh() writes, a few iterations ahead.
-	static void prefetchAhead( const ContactProxy& body );
-	/// Prefetches position and velocity before they are read back.
-	static void prefetchVelocity( const ContactProxy& body );
 
 	std::size_t count() const { return m_all.size(); }
 

@@ -179,7 +179,6 @@ void TreeRefit::run( int first, int last ) const
 {
 	for ( int k = first; k < last; ++k )
 	{
-		__builtin_prefetch( m_inner[std::size_t( std::min( k + kPrefetchDistance, last - 1 ) )], 1 );
 		btDbvtNode* const node = m_inner[std::size_t( k )];
 		Merge( node->childs[0]->volume, node->childs[1]->volume, node->volume );
 	}

@@ -13,9 +13,6 @@ namespace pliant {
 
 class TaskRunner;
 
-/// Prefetch distance of a refit: a tree's nodes are scattered in memory, and waiting for them is most of the time.
-inline constexpr int kPrefetchDistance = 8;
-
 /// Builds a tree over the children `which` of a compound, at least one, by recursive bisection along the longest side. Boxes are not set.
 btDbvtNode* buildNodeTree( btCompoundShapeChild* children, const std::vector<int>& which );
 

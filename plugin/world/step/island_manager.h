@@ -10,7 +10,7 @@
 // Where the step makes several passes (substep_group.h), islands consist of the objects that the pass moves; the others keep their tags.
 
 #include "pliant/soft_body.h"
-#include "world/bodies/prefetch.h"
+#include "world/bodies/manifolds.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/shape/contact_proxy.h"
 #include "world/step/soft_body_system.h"
@@ -155,7 +155,7 @@ private:
 
 	void uniteByContacts( btDispatcher& dispatcher, const btCollisionObjectArray& objects )
 	{
-		forEachManifold( dispatcher, prefetchEnd, [this, &objects]( const btPersistentManifold& manifold ) {
+		forEachManifold( dispatcher, [this, &objects]( const btPersistentManifold& manifold ) {
 			const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
 			const SoftBody *const ownerA = ownerOfContactProxy( a ), *const ownerB = ownerOfContactProxy( b );
 			a = ownerA ? ownerA : a;

@@ -2,7 +2,7 @@
 
 #include "world/step/world_step.h"
 
-#include "world/bodies/prefetch.h"
+#include "world/bodies/manifolds.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/detect/pair_contacts.h"
 #include "world/rigid/lost_contacts.h"
@@ -120,7 +120,7 @@ void WorldStep::carryImpulses( btScalar h )
 	{
 		return;
 	}
-	forEachManifold( *m_parts.dispatcher, prefetchEnd, [&]( btPersistentManifold& manifold ) {
+	forEachManifold( *m_parts.dispatcher, [&]( btPersistentManifold& manifold ) {
 		const bool wasSubstep = bodies.group.didContain( *manifold.getBody0() ) || bodies.group.didContain( *manifold.getBody1() );
 		const bool hasChanged = wasSubstep != ( bodies.pass() == StepPass::Substeps );
 		const btScalar lengthBefore = wasSubstep ? before.substep : before.whole;
