@@ -8,13 +8,6 @@
 
 namespace pliant {
 
-namespace {
-
-/// Prefetch distances for data scattered over the template, in vertices.
-constexpr int kPlacingFar = 24, kPlacingNear = 8;
-
-} // namespace
-
 // === A body whose surface grows with its cracks ===
 
 /// Separates the panels at a local point where several sides meet, where cells belong to another body, or near a blade.
@@ -137,14 +130,8 @@ void CrackGatherer::listPlaced( SkinBinding& to, TaskRunner* runner ) const
 {
 	resizeForOverwrite( to.placed, m_placedCount );
 	runChunks( runner, ChunkedRange{ int( m_placedCount ) }, [&]( int, int begin, int end ) {
-		const auto appearanceAt = [&]( int k ) {
-			return &m_sides->patches().appearance[m_made[m_placed[std::size_t( std::min( k, end - 1 ) )]].vertex];
-		};
 		for ( int k = begin; k < end; ++k )
 		{
-			__builtin_prefetch( appearanceAt( k + kPlacingFar ) );
-			__builtin_prefetch(
-				&m_sides->complex().addedOrigin[appearanceAt( k + kPlacingNear )->kind - m_sides->complex().inputVertices] );
 			to.placed[std::size_t( k )] = placedAt( m_placed[std::size_t( k )] );
 		}
 	} );

@@ -10,14 +10,6 @@
 
 namespace pliant {
 
-namespace {
-
-/// kLookUpFar: prefetch distance for data scattered over the template, vertices; kBlock: vertices looked up together; kFewPatches: prefetch
-/// distance, patches; kLine: bytes of a cache line.
-constexpr std::size_t kLookUpFar = 24, kBlock = 512, kFewPatches = 4, kLine = 64;
-
-} // namespace
-
 void CrackGatherer::gather(
 	const CrackSides& sides, const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner )
 {
@@ -105,24 +97,20 @@ void CrackGatherer::begin( std::size_t vertices )
 /// Numbers the patches first to last - 1 of m_patch. Returns the end of their triangles.
 std::array<std::uint32_t, 3>* CrackGatherer::number( std::size_t first, std::size_t last, std::array<std::uint32_t, 3>* triangles )
 {
-	for ( std::size_t k = first; k < last; )
+	for ( std::size_t k = first; k < last; ++k )
 	{
-		const std::size_t end = prefetchSides( k, last );
-		for ( std::uint32_t local = 0; k < end; ++k )
+		const std::uint32_t firstNew = m_count;
+		lookUpSides( k );
+		triangles = takePatch( m_patch[k], m_local.data(), triangles );
+		if ( isOuter( k ) )
 		{
-			const std::uint32_t firstNew = m_count;
-			triangles = takePatch( m_patch[k], m_local.data() + local, triangles );
-			if ( isOuter( k ) )
+			addAreas( m_patch[k], m_local.data() );
+			if ( m_sides->panels().arePlaced() )
 			{
-				addAreas( m_patch[k], m_local.data() + local );
-				if ( m_sides->panels().arePlaced() )
-				{
-					takeOuter( m_patch[k], m_local.data() + local, firstNew );
-				}
+				takeOuter( m_patch[k], m_local.data(), firstNew );
 			}
-			local += verticesOf( m_patch[k] );
 		}
-		if ( k == m_cells )
+		if ( k + 1 == m_cells )
 		{
 			m_outerCount = m_count;
 			triangles = takePanels( triangles );
@@ -175,7 +163,6 @@ void CrackGatherer::append( std::array<std::uint32_t, 3>* triangles, std::size_t
 	runChunks( runner, ChunkedRange{ int( shared.size() ) }, [&]( int, int begin, int end ) {
 		for ( int k = begin; k < end; ++k )
 		{
-			__builtin_prefetch( &m_number[shared[std::min( std::size_t( k ) + kLookUpFar, shared.size() - 1 )].number] );
 			const SharedRow& at = shared[std::size_t( k )];
 			if ( const std::uint32_t outer = m_number[at.number]; outer >= m_first )
 			{
@@ -213,54 +200,17 @@ void CrackGatherer::append( std::array<std::uint32_t, 3>* triangles, std::size_t
 	m_normalGroups += inner.m_normalGroups;
 }
 
-/// Looks up the sides of the next patches, some hundreds of vertices, in stages, so that the memory accessed by each stage has been
-/// prefetched. Returns the end of those patches.
-std::size_t CrackGatherer::prefetchSides( std::size_t first, std::size_t last )
+/// Looks up where the numbers of each vertex's side begin; kNone: spared. `patch`: index in m_patch.
+void CrackGatherer::lookUpSides( std::size_t patch )
 {
 	const CrackPatches& patches = m_sides->patches();
-	m_vertex.clear();
-	std::size_t end = first;
-	const bool mayBeSpared = isOuter( first ) && m_sides->panels().arePlaced();
-	for ( ; end < last && m_vertex.size() < kBlock && isOuter( end ) == isOuter( first ); ++end )
+	const bool mayBeSpared = isOuter( patch ) && m_sides->panels().arePlaced();
+	m_local.clear();
+	for ( std::uint32_t v = patches.patch[m_patch[patch]].firstVertex; v < patches.patch[m_patch[patch] + 1].firstVertex; ++v )
 	{
-		const CrackPatches::Patch& next = patches.patch[m_patch[std::min( end + kFewPatches, m_patch.size() - 1 )]];
-		__builtin_prefetch( &patches.vertex[next.firstVertex] );
-		__builtin_prefetch( &patches.vertex[next.firstVertex] + kLine / sizeof( CrackPatches::Vertex ) );
-		__builtin_prefetch( patches.triangle.data() + next.firstTriangle );
-		__builtin_prefetch( patches.triangle.data() + next.firstTriangle + kLine / sizeof( patches.triangle[0] ) );
-		for ( std::uint32_t v = patches.patch[m_patch[end]].firstVertex; v < patches.patch[m_patch[end] + 1].firstVertex; ++v )
-		{
-			const bool isSpared = mayBeSpared && m_sides->panels().isSpared( patches.appearance[v].point );
-			m_vertex.push_back( isSpared ? kNone : v );
-			m_sides->fetchSide( patches.vertex[v].slot );
-		}
+		const bool isSpared = mayBeSpared && m_sides->panels().isSpared( patches.appearance[v].point );
+		m_local.push_back( isSpared ? kNone : patches.numbersOfSlot[m_sides->sideOf( patches.vertex[v].slot )] );
 	}
-	m_local.resize( m_vertex.size() );
-	for ( std::size_t k = 0; k < m_vertex.size(); ++k )
-	{
-		if ( m_vertex[k] == kNone )
-		{
-			m_local[k] = kNone;
-			continue;
-		}
-		m_local[k] = m_sides->sideOf( patches.vertex[m_vertex[k]].slot );
-		__builtin_prefetch( &patches.numbersOfSlot[m_local[k]] );
-	}
-	for ( std::size_t k = 0; k < m_vertex.size(); ++k )
-	{
-		if ( m_vertex[k] == kNone )
-		{
-			continue;
-		}
-		const CrackPatches::Vertex& of = patches.vertex[m_vertex[k]];
-		m_local[k] = patches.numbersOfSlot[m_local[k]];
-		if ( of.isUnshared == 0 )
-		{
-			__builtin_prefetch( &m_number[m_local[k]], 1 );
-			__builtin_prefetch( &m_number[m_local[k] + CrackPatches::kNumbersOfSide + of.kindAt], 1 );
-		}
-	}
-	return end;
 }
 
 /// `local`: by vertex of the patch, start of its side's numbers on input, its index in the body on output; kNone: spared. Branch-free: each

@@ -83,7 +83,7 @@ private:
 	std::array<std::uint32_t, 3>* number( std::size_t first, std::size_t last, std::array<std::uint32_t, 3>* triangles );
 	void numberTogether( CrackView& view, TaskRunner* runner );
 	void append( std::array<std::uint32_t, 3>* triangles, std::size_t count, TaskRunner* runner );
-	std::size_t prefetchSides( std::size_t first, std::size_t last );
+	void lookUpSides( std::size_t patch );
 	std::array<std::uint32_t, 3>* takePatch( std::uint32_t patch, std::uint32_t* local, std::array<std::uint32_t, 3>* triangles );
 	std::uint32_t numberOf( std::uint32_t vertex, std::uint32_t* known );
 	std::uint32_t addVertex( std::uint32_t vertex, std::uint32_t carrier, std::uint32_t normalGroup );
@@ -115,8 +115,7 @@ private:
 	std::uint32_t m_count = 0, m_outerCount = 0, m_normalGroups = 0; ///< vertices, the outer surface's first
 	std::uint32_t m_outerTriangles = 0;
 	std::vector<Row> m_row;                 ///< by vertex
-	std::vector<std::uint32_t> m_vertex;    ///< of the current patches; kNone: spared
-	std::vector<std::uint32_t> m_local;     ///< of the current patches: indices of their vertices in the body
+	std::vector<std::uint32_t> m_local;     ///< of the current patch: indices of its vertices in the body
 	std::vector<SharedRow> m_sharedRow;     ///< while the inside is numbered separately
 	std::unique_ptr<CrackGatherer> m_inner; ///< numbers the inside in parallel
 	std::vector<Vec3> m_area;               ///< by group of normals, where points are reshaded: of the outer surface

@@ -12,13 +12,6 @@
 
 namespace pliant {
 
-namespace {
-
-/// Prefetch distances for data scattered over the template, vertices.
-constexpr std::size_t kWritingFar = 24, kWritingNear = 8;
-
-} // namespace
-
 void CrackGatherer::write( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner )
 {
 	SkinBinding& to = view.ownBinding;
@@ -107,8 +100,6 @@ void CrackGatherer::writeVertices( const Vec3& shift, CrackView& view, std::size
 	SkinBinding& to = view.ownBinding;
 	for ( std::size_t k = first; k < last; ++k )
 	{
-		__builtin_prefetch( &patches.appearance[m_made[std::min<std::size_t>( k + kWritingFar, m_count - 1 )].vertex] );
-		m_sides->fetchPosition( patches.appearance[m_made[std::min<std::size_t>( k + kWritingNear, m_count - 1 )].vertex].point );
 		const Made& made = m_made[k];
 		const CrackPatches::Appearance& appearance = patches.appearance[made.vertex];
 		to.restPosition[k] = m_sides->positionOf( appearance.point ) - shift;
@@ -165,7 +156,6 @@ std::uint32_t CrackGatherer::takeCarriers( std::size_t first, std::size_t last )
 	std::uint32_t entries = 0;
 	for ( std::size_t k = first; k < last; ++k )
 	{
-		__builtin_prefetch( m_sides->carriersAt( m_row[std::min( k + kWritingFar, m_row.size() - 1 )].side ) );
 		m_row[k].carriers = m_sides->carriersOf( m_row[k].side );
 		entries += entriesOf( m_row[k].carriers );
 	}
@@ -175,15 +165,9 @@ std::uint32_t CrackGatherer::takeCarriers( std::size_t first, std::size_t last )
 /// Only carriers have a row. `entries`: of the rows before these.
 void CrackGatherer::writeRows( SkinBinding& to, std::size_t first, std::size_t last, std::uint32_t entries ) const
 {
-	const CellComplex& complex = m_sides->complex();
-	const auto pointOf = [this]( std::size_t k ) { return m_sides->patches().pointOfSlot[m_row[std::min( k, m_row.size() - 1 )].side]; };
 	std::uint32_t vertex = first == 0 ? 0 : m_row[first - 1].vertex + 1;
 	for ( std::size_t k = first; k < last; ++k )
 	{
-		__builtin_prefetch( &complex.bindStart[pointOf( k + kWritingFar )] );
-		const std::uint32_t next = complex.bindStart[pointOf( k + kWritingNear )];
-		__builtin_prefetch( complex.bindCell.data() + next );
-		__builtin_prefetch( complex.bindWeight.data() + next );
 		const Row& row = m_row[k];
 		std::fill( to.start.begin() + vertex, to.start.begin() + row.vertex + 1, entries );
 		vertex = row.vertex + 1;

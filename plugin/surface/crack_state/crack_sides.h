@@ -28,13 +28,10 @@ public:
 	std::uint32_t sideOf( std::uint32_t slot ) const { return m_side[slot]; }
 	/// The carriers of a side, a bit each; `side`: its first slot.
 	std::uint64_t carriersOf( std::uint32_t side ) const { return m_carriers[side]; }
-	const std::uint64_t* carriersAt( std::uint32_t side ) const { return &m_carriers[side]; }
 	const Vec3& positionOf( std::uint32_t point ) const
 	{
 		return m_position.empty() ? m_patches->complex->pointRest[point] : m_position[point];
 	}
-	void fetchSide( std::uint32_t slot ) const { __builtin_prefetch( &m_side[slot] ); }
-	void fetchPosition( std::uint32_t point ) const { __builtin_prefetch( &positionOf( point ) ); }
 	/// True where the outer surface around a point differs from the uncracked one.
 	bool isReshaded( std::uint32_t point ) const { return m_isReshaded[point] != 0; }
 	const IntactPanels& panels() const { return m_panels; }
