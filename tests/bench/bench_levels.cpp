@@ -101,17 +101,13 @@ BENCHMARK( levelsNaive )->Apply( arguments );
 BENCHMARK( levelsUniform )->Apply( arguments );
 BENCHMARK( levelsAdaptive )->Apply( arguments );
 
-/// One product of the implicit step, four rows at a time (docs/design/implicit.md) or one by one.
+/// One product of the implicit step.
 void levelsProduct( benchmark::State& state )
 {
 	const std::unique_ptr<Body> body = makeBody(
 		bodyLattice( int( state.range( 0 ) ) ), test::explicitMaterial(), state.range( 0 ) == 0 ? 2 : 3 );
 	LatticeMatcher matcher( body->lattice(), body->material(), body->levels()->tables() );
 	StrainRates rates;
-	if ( state.range( 1 ) == 0 )
-	{
-		rates.sumRowByRow();
-	}
 	rates.prepare( matcher, body->nodes(), nullptr );
 	const std::size_t padded = std::size_t( body->nodes().padded );
 	AlignedArray<float> v( 3 * padded ), to( 3 * padded );
@@ -128,7 +124,7 @@ void levelsProduct( benchmark::State& state )
 	}
 	reportLevelsPerNode( state, body->nodeCount() );
 }
-BENCHMARK( levelsProduct )->ArgNames( { "body", "sliced" } )->ArgsProduct( { { 0, 1 }, { 0, 1 } } )->Unit( benchmark::kMicrosecond );
+BENCHMARK( levelsProduct )->ArgName( "body" )->Arg( 0 )->Arg( 1 )->Unit( benchmark::kMicrosecond );
 
 /// About `count` new nodes at once in a Glob of 41 000 cells, and the merge; the label has the number of rows rebuilt.
 void levelsSplit( benchmark::State& state )

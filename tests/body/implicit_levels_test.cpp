@@ -200,29 +200,6 @@ TEST( ImplicitLevels, GiveTheSameBitsOnEveryInstructionSet )
 	}
 }
 
-// Nodes of all sizes have rows of all lengths; 12 x 8 x 8 cells make several tiles, the last one partial.
-TEST( ImplicitLevels, SumRowsInBatchesToTheSameBits )
-{
-	for ( const Rule& rule : rules() )
-	{
-		auto body = make( 12, 8, 8, material( 1.0f ), rule.settings );
-		splitHalf( *body );
-		ASSERT_GT( body->nodeCount(), kTile ) << rule.name;
-		for ( const KernelTarget target : { KernelTarget::Baseline, KernelTarget::Avx2, KernelTarget::Avx512 } )
-		{
-			if ( const Kernels* kernels = findKernels( target ) )
-			{
-				Rates sliced( *body, *kernels ), single( *body, *kernels );
-				single.rates.sumRowByRow();
-				single.rates.prepare( single.matcher, body->nodes(), nullptr );
-				test::Seeded random( 5 );
-				const std::vector<float> v = sliced.field( [&]( int ) { return random.inBox( 1.0f ); } );
-				EXPECT_EQ( sliced( v, 30.0f ), single( v, 30.0f ) ) << rule.name << " " << kernels->name;
-			}
-		}
-	}
-}
-
 /// A bar of 16 cells, held at its top, some time after its release.
 std::unique_ptr<Body> hung( const Adaptivity& settings, Elasticity elasticity )
 {

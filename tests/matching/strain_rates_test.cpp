@@ -371,7 +371,7 @@ TEST( StrainRates, SumFlatRowsToTheBitsOfRecords )
 	{
 		Operator flat( c ), records( c );
 		ASSERT_TRUE( flat.matcher->usesBoxSums() );
-		records.rates.sumRowByRow();
+		records.rates.sumByRecords();
 		records.rates.prepare( *records.matcher, records.nodes, nullptr );
 		const std::vector<double> v = flat.random( 17 );
 		EXPECT_EQ( flat( v, 5.0f ), records( v, 5.0f ) ) << c.lattice.extent.transpose() << " w " << c.halfWidth;

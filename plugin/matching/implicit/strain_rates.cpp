@@ -63,16 +63,11 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 		if ( !isMeasured )
 		{
 			measureFractions( tables );
-			if ( m_view.memberMass )
-			{
-				m_rows.layOut( *tables.matrix );
-			}
 		}
 		m_rates.regionFraction = m_fraction.data();
 		m_rates.pull = m_pull.data();
-		m_rates.rows = m_view.memberMass && !m_isRowByRow ? m_rows.view() : RowSlices{};
 	}
-	if ( tables.usesGrid && !m_gridHasHoles && !m_isRowByRow && !m_view.volumeGradient[0] )
+	if ( tables.usesGrid && !m_gridHasHoles && !m_sumsByRecords && !m_view.volumeGradient[0] )
 	{
 		if ( !isMeasured )
 		{
@@ -298,8 +293,8 @@ std::size_t StrainRates::bytes() const
 {
 	return ( m_centres[0].size() * 3 + m_inverseInertias[0].size() * 6 + m_diagonal.size() + m_fraction.size() + m_pull.size() ) *
 		sizeof( float ) +
-		( m_positions.size() + m_strained.size() ) * sizeof( float ) + m_wholes.size() * sizeof( WholePart ) + m_rows.bytes() +
-		m_boxes.bytes() + m_partial.size() * sizeof( m_partial[0] );
+		( m_positions.size() + m_strained.size() ) * sizeof( float ) + m_wholes.size() * sizeof( WholePart ) + m_boxes.bytes() +
+		m_partial.size() * sizeof( m_partial[0] );
 }
 
 } // namespace pliant

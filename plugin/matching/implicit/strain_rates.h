@@ -27,7 +27,6 @@
 // use positions relative to each part's centre. Only strain is then summed, multiplied by G and rounded, however far apart the parts are.
 
 #include "matching/implicit/flat_boxes.h"
-#include "matching/implicit/sliced_rows.h"
 #include "matching/kernels/kernels.h"
 #include "matching/node_state.h"
 #include "matching/regions/connected_parts.h"
@@ -62,8 +61,8 @@ public:
 	/// taut for that resist rotation. 0: none do.
 	void prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner* runner, float stiffness = 0.0f );
 
-	/// Uses the reference implementation from the next `prepare` on: rows on several levels summed one by one, boxes by records.
-	void sumRowByRow() { m_isRowByRow = true; }
+	/// Uses the reference implementation from the next `prepare` on: boxes are summed by records.
+	void sumByRecords() { m_sumsByRecords = true; }
 
 	/// Measures the body's mass, centre and inertia only. `parts`: as above, must live as long as the nodes; null: one part.
 	void measureBody( const NodeState& nodes, const ConnectedParts* parts = nullptr );
@@ -110,9 +109,8 @@ private:
 	bool m_isRaised = false; ///< some region's inertia is raised
 	AlignedArray<float> m_centres[3], m_inverseInertias[6], m_diagonal;
 	AlignedArray<float> m_fraction, m_pull; ///< of nodes on several levels; empty on a uniform lattice
-	SlicedRows m_rows;                      ///< of nodes on several levels
 	FlatBoxes m_boxes;                      ///< of a lattice that fills its grid
-	bool m_isRowByRow = false;
+	bool m_sumsByRecords = false;
 	const LatticeMatcher* m_measuredOf = nullptr; ///< the matcher for which diagonal and fractions were measured
 	unsigned m_measuredVersion = 0;
 	std::shared_ptr<const SumPlan> m_plan;

@@ -83,22 +83,6 @@ inline V determinant( const V ( &t )[6] )
 	return ( t[0] * ( t[1] * t[2] - t[3] * t[3] ) + t[5] * ( t[4] * t[3] - t[2] * t[5] ) ) + t[4] * ( t[5] * t[3] - t[1] * t[4] );
 }
 
-/// Gathers the sums of a tile's records: by slices where there are any, otherwise with the table's own weights.
-template <class Size>
-void gatherRows(
-	const RateView& rates, const float* sliced, const std::uint32_t* own, const float* records, int begin, int end, Tile& tile )
-{
-	if ( rates.rows.slice )
-	{
-		const int count = rates.match->nodeCount;
-		gatherSlices<Size>( rates.rows, sliced, records, begin, count < end ? count : end, end, tile );
-	}
-	else
-	{
-		gatherTile<Size>( *rates.match, records, own, begin, end, tile );
-	}
-}
-
 inline V atLeast( V a, V b )
 {
 	return select( a < b, b, a );
@@ -176,7 +160,7 @@ bool regionInertias( const RateView& rates, int begin, int end )
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
-		gatherRows<Whole>( rates, rates.rows.mass, view.memberMass, view.nodeRecord, first, last, tile );
+		gatherTile( view, view.nodeRecord, view.memberMass, first, last, tile );
 		for ( int r = first; r < last; r += kWidth )
 		{
 			const int at = r - first;

@@ -13,10 +13,11 @@ inline bool conservesVolume( const RateView& rates )
 inline void gatherRates( const RateView& rates, bool isOfRegions, int begin, int end, Tile& tile )
 {
 	const MatchView& view = *rates.match;
+	const float* const records = isOfRegions ? view.regionRecord : view.nodeRecord;
+	const std::uint32_t* const weight = isOfRegions ? view.memberFraction : view.memberMass;
 	if ( conservesVolume( rates ) )
 	{
-		gatherRows<Full>( rates, isOfRegions ? rates.rows.fraction : rates.rows.mass, isOfRegions ? view.memberFraction : view.memberMass,
-			isOfRegions ? view.regionRecord : view.nodeRecord, begin, end, tile );
+		gatherTile<Full>( view, records, weight, begin, end, tile );
 		return;
 	}
 	if ( rates.flat.node[0] )
@@ -24,8 +25,7 @@ inline void gatherRates( const RateView& rates, bool isOfRegions, int begin, int
 		sumPlanes( view, isOfRegions ? rates.flat.region : rates.flat.node, begin, end, tile );
 		return;
 	}
-	gatherRows<Half>( rates, isOfRegions ? rates.rows.fraction : rates.rows.mass, isOfRegions ? view.memberFraction : view.memberMass,
-		isOfRegions ? view.regionRecord : view.nodeRecord, begin, end, tile );
+	gatherTile<Half>( view, records, weight, begin, end, tile );
 }
 
 /// Stores a tile's rates where the sums read them.

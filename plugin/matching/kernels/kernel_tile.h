@@ -129,7 +129,7 @@ inline RecordOf<Size> sumList( const float* records, const std::uint32_t* member
 	return even + odd;
 }
 
-/// The same with a weight per term. Integer masses, rounded once to float, here or earlier (RowSlices): the same on every processor.
+/// The same with a weight per term. Integer masses, rounded once to float: the same on every processor.
 template <class Size>
 inline RecordOf<Size> sumWeighted( const float* records, const std::uint32_t* member, const std::uint32_t* weight, std::uint32_t count )
 {
@@ -211,51 +211,6 @@ void gatherTile( const MatchView& view, const float* records, const std::uint32_
 			}
 		}
 		storeColumns<Size>( tile, r, first - begin );
-	}
-}
-
-/// Bitwise the same sums with `weight` per term of the slices, four rows at a time. Records of both sizes have the same order. Rows from
-/// `real` on are padding.
-template <class Size>
-void gatherSlices( const RowSlices& rows, const float* weight, const float* records, int begin, int real, int end, Tile& tile )
-{
-	constexpr std::size_t scale = Size::floats / Half::floats;
-	RecordOf<Size> of[kTile];
-	for ( int i = real; i < end; ++i )
-	{
-		of[i - begin] = RecordOf<Size>{};
-	}
-	for ( std::uint32_t s = rows.tile[begin / kTile]; s < rows.tile[begin / kTile + 1]; ++s )
-	{
-		const RowSlice& slice = rows.slice[s];
-		const std::uint32_t* from = rows.from + slice.first;
-		const float* by = weight + slice.first;
-		RecordOf<Size> even[kSliceRows], odd[kSliceRows];
-		for ( int j = 0; j < kSliceRows; ++j )
-		{
-			even[j] = loadRecord<Size>( records + scale * from[j] ) * by[j];
-			odd[j] = loadRecord<Size>( records + scale * from[kSliceRows + j] ) * by[kSliceRows + j];
-		}
-		for ( std::uint32_t k = 2; k < slice.terms; k += 2 )
-		{
-			from += 2 * kSliceRows;
-			by += 2 * kSliceRows;
-			for ( int j = 0; j < kSliceRows; ++j )
-			{
-				even[j] = even[j] + loadRecord<Size>( records + scale * from[j] ) * by[j];
-				odd[j] = odd[j] + loadRecord<Size>( records + scale * from[kSliceRows + j] ) * by[kSliceRows + j];
-			}
-		}
-		for ( int j = 0; j < kSliceRows; ++j )
-		{
-			of[slice.row[j]] = even[j] + odd[j];
-		}
-	}
-	for ( int first = begin; first < end; first += 4 )
-	{
-		const RecordOf<Size>* r = of + ( first - begin );
-		const RecordOf<Size> four[4] = { r[0], r[1], r[2], r[3] };
-		storeColumns<Size>( tile, four, first - begin );
 	}
 }
 

@@ -107,26 +107,6 @@ struct MatchView
 /// Sums of the rate pass: m v (3), m p x v (3).
 inline constexpr int kRateSums = 6;
 
-/// Rows side by side in a slice.
-inline constexpr int kSliceRows = 4;
-
-/// Four rows of one tile, term by term: the first terms of all four, then the second (sliced_rows.h).
-struct RowSlice
-{
-	std::uint32_t first = 0;           ///< of its terms
-	std::uint32_t terms = 0;           ///< of each row, even; missing terms have zero weight
-	std::uint8_t row[kSliceRows] = {}; ///< relative to the tile's first row
-};
-
-struct RowSlices
-{
-	const RowSlice* slice = nullptr;     ///< null: rows are summed one by one, in MatchView's format
-	const std::uint32_t* tile = nullptr; ///< each tile's first slice, and the total
-	const std::uint32_t* from = nullptr; ///< of each term: index of the member's record of kRateFloats floats
-	const float* mass = nullptr;         ///< of each term: MatchView's memberMass and memberFraction, rounded
-	const float* fraction = nullptr;
-};
-
 /// Rates of a lattice that fills its grid, one row per component instead of records: box sums are rows shifted against each other
 /// (kernel_boxes.h). Rows may be read up to `halfWidth` planes of the grid before their beginning and after their end; values there and in
 /// padding are arbitrary.
@@ -146,7 +126,6 @@ struct RateView
 	float* inverseInertia[6] = {};         ///< T^-1 of each region, as xx, yy, zz, yz, xz, xy
 	const float* regionFraction = nullptr; ///< g_r; null: 1
 	const float* pull = nullptr;           ///< of each node: sum of its regions' g_r / C; null: 1
-	RowSlices rows;                        ///< of nodes on several levels
 	FlatRows flat;                         ///< of a lattice that fills its grid
 	float volume = 0.0f;                   ///< resistance to a change of volume relative to `stiffness`
 	const float* rate[3] = {};             ///< v
