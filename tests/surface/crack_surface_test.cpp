@@ -291,35 +291,6 @@ TEST( CrackSurface, MadeFromALatticeItIsTheSame )
 	EXPECT_EQ( byLinks.triangles(), whole.triangles() );
 }
 
-/// With more and more random broken links; the reference implementation goes from cell to cell for each side.
-TEST( CrackSurface, SidesFollowWhatFacesLeadThemTo )
-{
-	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy( 0.3f ) );
-	CrackSurface quick( it.complex ), plain( it.complex );
-	plain.useReferenceBinding();
-	std::mt19937 random( 11 );
-	for ( const unsigned oneIn : { 50u, 20u, 8u, 3u, 2u } )
-	{
-		std::vector<std::uint32_t> faces;
-		for ( std::uint32_t f = 0; f < it.complex->face.size(); ++f )
-		{
-			if ( random() % oneIn == 0 )
-			{
-				faces.push_back( f );
-			}
-		}
-		for ( CrackSurface* surface : { &quick, &plain } )
-		{
-			surface->breakFaces( faces );
-			surface->updateBinding();
-		}
-		EXPECT_EQ( quick.binding().start, plain.binding().start );
-		EXPECT_EQ( quick.binding().node, plain.binding().node );
-		EXPECT_EQ( quick.binding().weight, plain.binding().weight );
-		expectValid( quick );
-	}
-}
-
 /// A crack through half of the body: at its tip no vertex is doubled, behind it all are.
 TEST( CrackSurface, TipsStayJoined )
 {

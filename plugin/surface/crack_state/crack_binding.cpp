@@ -3,7 +3,6 @@
 #include "surface/crack_state/crack_surface.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace pliant {
 
@@ -109,92 +108,10 @@ void CrackSurface::rebind( std::uint32_t point )
 	{
 		return;
 	}
-	const bool usesBits = !m_usesReferenceBinding && findCarriers( point );
 	for ( std::uint32_t side = m_firstSide[point]; side != kNone; side = m_side[side].next )
 	{
-		usesBits ? reachByBits( point, m_side[side] ) : reach( point, m_side[side] );
+		reach( point, m_side[side] );
 	}
-	if ( usesBits )
-	{
-		clearCarriers();
-	}
-}
-
-/// Bits of the carriers behind a cell's unbroken faces.
-std::uint64_t CrackSurface::carriersBeside( std::uint32_t cell ) const
-{
-	std::uint64_t beside = 0;
-	for ( std::uint32_t f = m_cellFaceStart[cell]; f < m_cellFaceStart[cell + 1]; ++f )
-	{
-		beside |= m_bitOf[m_neighbour[f]];
-	}
-	return beside;
-}
-
-/// Finds the carriers of a point and which of them unbroken faces connect, once for all its sides. Returns false for more carriers than
-/// bits.
-bool CrackSurface::findCarriers( std::uint32_t point )
-{
-	const std::uint32_t whole = m_point[point];
-	const std::uint32_t first = m_complex->bindStart[whole], last = m_complex->bindStart[whole + 1];
-	if ( last - first > 64 )
-	{
-		return false;
-	}
-	m_bitOf.resize( m_cell.size() + 1, 0 );
-	m_candidate.clear();
-	for ( std::uint32_t k = first; k < last; ++k )
-	{
-		m_candidate.push_back( localCell( m_complex->bindCell[k] ) );
-		if ( m_candidate.back() != kNone )
-		{
-			m_bitOf[m_candidate.back()] = std::uint64_t( 1 ) << ( k - first );
-		}
-	}
-	m_beside.clear();
-	for ( const std::uint32_t cell : m_candidate )
-	{
-		m_beside.push_back( cell == kNone ? 0 : carriersBeside( cell ) );
-	}
-	return true;
-}
-
-void CrackSurface::clearCarriers()
-{
-	for ( const std::uint32_t cell : m_candidate )
-	{
-		m_bitOf[cell == kNone ? m_cell.size() : cell] = 0;
-	}
-}
-
-/// As `reach`, with a bit for each carrier; after findCarriers.
-void CrackSurface::reachByBits( std::uint32_t point, const Side& side )
-{
-	std::uint64_t reached = 0;
-	std::uint32_t firstCell = kNone;
-	for ( std::uint32_t s = m_slotStart[point]; s < m_slotStart[point + 1]; ++s )
-	{
-		if ( m_slotGroup[s] == side.group )
-		{
-			const std::uint32_t cell = m_slotCell[s];
-			firstCell = firstCell == kNone ? cell : firstCell;
-			reached |= m_bitOf[cell] != 0 ? m_bitOf[cell] : carriersBeside( cell );
-		}
-	}
-	for ( std::uint64_t frontier = reached; frontier != 0; )
-	{
-		const int bit = std::countr_zero( frontier );
-		frontier &= frontier - 1;
-		const std::uint64_t added = m_beside[std::size_t( bit )] & ~reached;
-		reached |= added;
-		frontier |= added;
-	}
-	m_reached.clear();
-	for ( ; reached != 0; reached &= reached - 1 )
-	{
-		m_reached.push_back( std::uint32_t( std::countr_zero( reached ) ) );
-	}
-	writeRow( point, side, firstCell );
 }
 
 /// Computes the row of a side: the carriers that unbroken faces connect to it, directly or through other carriers.

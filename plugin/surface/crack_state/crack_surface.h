@@ -57,8 +57,6 @@ public:
 	/// Updates the binding for all cracks since the last call. Required before the binding is used.
 	void updateBinding();
 	bool isBindingCurrent() const { return m_newlyBroken.empty(); }
-	/// Uses the reference implementation of updateBinding(): a walk from cell to cell for each side.
-	void useReferenceBinding() { m_usesReferenceBinding = true; }
 
 	bool isBroken( std::uint32_t face ) const;
 
@@ -218,10 +216,6 @@ private:
 	void clearMarks( const std::vector<std::uint32_t>& list );
 
 	void rebind( std::uint32_t point );
-	bool findCarriers( std::uint32_t point );
-	std::uint64_t carriersBeside( std::uint32_t cell ) const;
-	void clearCarriers();
-	void reachByBits( std::uint32_t point, const Side& side );
 	void reach( std::uint32_t point, const Side& side );
 	void writeRow( std::uint32_t point, const Side& side, std::uint32_t firstCell );
 	void markBroken( std::uint32_t face );
@@ -267,14 +261,11 @@ private:
 	std::vector<std::uint32_t> m_mark, m_frontier; ///< by local cell, and one for none; local cells
 	std::uint32_t m_round = 0;
 	std::vector<std::uint32_t> m_candidate, m_reached; ///< cells; indices into them
-	std::vector<std::uint64_t> m_bitOf;                ///< by local cell, and one for none: its bit among m_candidate, else 0
-	std::vector<std::uint64_t> m_beside;               ///< by candidate
-	bool m_usesReferenceBinding = false;
-	std::vector<std::uint16_t> m_root;     ///< by slot of the current point
-	std::vector<std::uint8_t> m_isMarked;  ///< by point or cell
-	std::vector<std::uint32_t> m_foreign;  ///< points with carriers in other bodies
-	std::vector<std::uint32_t> m_reshaded; ///< of the template
-	std::vector<Vec3> m_area;              ///< by group of normals
+	std::vector<std::uint16_t> m_root;                 ///< by slot of the current point
+	std::vector<std::uint8_t> m_isMarked;              ///< by point or cell
+	std::vector<std::uint32_t> m_foreign;              ///< points with carriers in other bodies
+	std::vector<std::uint32_t> m_reshaded;             ///< of the template
+	std::vector<Vec3> m_area;                          ///< by group of normals
 };
 
 /// Checks all invariants: copies belong to groups, groups to unbroken faces, rows of the binding to the vertex's own side.
