@@ -34,8 +34,6 @@ public:
 		m_deepest = ( high - low ).norm();
 	}
 
-	/// Part of the body lies above the triangle's plane and part below.
-	bool isPenetrated() const { return m_isPenetrated; }
 	/// From the triangle to the deepest node that may be in the ground below it, m.
 	Vec3d exitBelow() const { return m_isPenetrated ? Vec3d( -m_deepest * m_up ) : Vec3d( Vec3d::Zero() ); }
 
@@ -88,9 +86,9 @@ private:
 	const Obstacle& m_mesh;
 	const Vec3d ( &m_corners )[3];
 	Vec3d m_up = Vec3d::Zero(), m_normal = Vec3d::Zero();
-	double m_orientation = 1.0; ///< -1 for corners that are clockwise, seen from above
-	double m_deepest = 0.0;     ///< m
-	bool m_isPenetrated = false;
+	double m_orientation = 1.0;  ///< -1 for corners that are clockwise, seen from above
+	double m_deepest = 0.0;      ///< m
+	bool m_isPenetrated = false; ///< part of the body lies above the triangle's plane and part below
 };
 
 } // namespace pliant
