@@ -65,6 +65,7 @@ bool SoftBodySystem::remove( SoftBody& body )
 	{
 		impl.self->contacts.reset();
 	}
+	impl.isWorldOwned ? stopIgnoring( body ) : void(); // the world deletes it, and the game has not asked for it
 	ContactProxyPool::detach( body );
 	impl.system = nullptr;
 	impl.block = -1;
@@ -74,6 +75,31 @@ bool SoftBodySystem::remove( SoftBody& body )
 		m_algorithms.reset(); // the dispatcher may be destroyed before the world
 	}
 	return true;
+}
+
+void SoftBodySystem::ignoreAs( SoftBody& parent, SoftBody& fragment ) const
+{
+	for ( int k = 0; k < parent.getNumObjectsWithoutCollision(); ++k )
+	{
+		fragment.setIgnoreCollisionCheck( parent.getObjectWithoutCollision( k ), true );
+	}
+	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
+	for ( int k = 0; k < objects.size(); ++k )
+	{
+		if ( objects[k] != &parent && !objects[k]->checkCollideWith( &parent ) )
+		{
+			objects[k]->setIgnoreCollisionCheck( &fragment, true );
+		}
+	}
+}
+
+void SoftBodySystem::stopIgnoring( SoftBody& fragment ) const
+{
+	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
+	for ( int k = 0; k < objects.size(); ++k )
+	{
+		objects[k]->setIgnoreCollisionCheck( &fragment, false );
+	}
 }
 
 void SoftBodySystem::forget( SoftBody& body )

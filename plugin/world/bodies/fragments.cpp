@@ -321,6 +321,7 @@ void SoftBodySystem::addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fr
 	SoftBody::Impl& impl = piece->impl();
 	impl.family = parent.impl().family;
 	++*impl.family;
+	ignoreAs( parent, *piece );
 	const btBroadphaseProxy* const proxy = parent.getBroadphaseHandle();
 	m_world.addCollisionObject( piece, proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask );
 	impl.isWorldOwned = true;

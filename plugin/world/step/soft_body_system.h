@@ -223,6 +223,8 @@ private:
 	void advanceFading( btScalar gameStep );
 	void limitDebris( btScalar gameStep );
 	int partsNow( int k, int count ) const;
+	void ignoreAs( SoftBody& parent, SoftBody& fragment ) const; ///< setIgnoreCollisionCheck, by either object
+	void stopIgnoring( SoftBody& fragment ) const;
 	void addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fragment );
 	void adaptLevels( btScalar h );
 	void requestContactSplits( SoftBody::Impl& impl ); ///< Adaptivity::refinesOnContact

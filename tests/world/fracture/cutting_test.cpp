@@ -55,6 +55,26 @@ Fracture smallOnes( SmallPieces policy, int cells )
 	return fracture;
 }
 
+// The piece of a body that ignored the floor stayed on it.
+TEST( Cutting, PiecesIgnoreWhatTheirBodyIgnores )
+{
+	for ( const bool floorIgnores : { false, true } )
+	{
+		TestWorld t;
+		btRigidBody* const floor = t.addFloor();
+		SoftBody* const bar = t.addSoft( block( 8, 4, 4, 0.1f ), at( 0, btScalar( 0.4 ), 0 ), stiff( 2e5f ) );
+		floorIgnores ? floor->setIgnoreCollisionCheck( bar, true ) : bar->setIgnoreCollisionCheck( floor, true );
+		EXPECT_GT( bar->cutPlane( kOrigin, kAlong ), 0 );
+		t.run( 60 );
+		ASSERT_EQ( t.world.fragmentCount(), 1 );
+		SoftBody* const piece = t.world.softBody( 0 ) == bar ? t.world.softBody( 1 ) : t.world.softBody( 0 );
+		EXPECT_LT( piece->massCentre().y(), -2 );
+		EXPECT_FALSE( piece->checkCollideWith( floor ) && floor->checkCollideWith( piece ) );
+		t.world.removeSoftBody( piece ); // deletes it
+		EXPECT_EQ( floor->getNumObjectsWithoutCollision(), floorIgnores ? 1 : 0 );
+	}
+}
+
 // Uniform and with levels, tumbling, in one substep: the cutTotals of the halves equal those of the whole.
 TEST( Cutting, ABarBecomesTwoBodiesAndKeepsItsTotals )
 {
