@@ -273,13 +273,20 @@ int SoftBody::cellOfNode( int node ) const
 	return m_impl->hasNode( node ) ? int( m_impl->body->firstCellOfNode( node ) ) : -1;
 }
 
+void SkinBuffers::interpolate( bool isOn )
+{
+	if ( isOn != ( blend != nullptr ) )
+	{
+		blend = isOn ? std::make_unique<StepBlend>() : nullptr;
+		isStale = true;
+	}
+}
+
 void SoftBody::setInterpolation( bool isOn )
 {
-	SkinBuffers& skin = m_impl->skin;
-	if ( isOn != interpolation() && !m_impl->isInField() )
+	if ( !m_impl->isInField() )
 	{
-		skin.blend = isOn ? std::make_unique<StepBlend>() : nullptr;
-		skin.isStale = true;
+		m_impl->skin.interpolate( isOn );
 	}
 }
 

@@ -103,6 +103,7 @@ struct SkinBuffers
 
 	/// Whether the surface has ever been read, by whichever call.
 	bool isRead() const { return frame > 0 || gpu; }
+	void interpolate( bool isOn ); ///< between steps
 	/// The body has been moved instantaneously: nothing lies between its last two positions.
 	void jumped()
 	{

@@ -106,8 +106,8 @@ void SoftBody::Impl::archiveState( Archive& archive )
 		newCuts, partingPhases, placements, numbering, near, nodeAxes, rest, skin.tolerance );
 	archive( mustDeform, rigidWait, rigidPause, separatedAt, isKept, asleepTime, isScenery, partsWait, fieldAcceleration, scale );
 	archive.owned( forces, [] { return std::make_unique<SurfaceForces>(); } );
-	bool tellsContacts = contactRecords != nullptr;
-	archive( tellsContacts );
+	bool tellsContacts = contactRecords != nullptr, isInterpolated = skin.blend != nullptr;
+	archive( tellsContacts, isInterpolated );
 	archive( rigidLoad.impulse, rigidLoad.now, rigidLoad.mean, rigidLoad.first, rigidLoad.acceleration );
 	allowance.archive( archive, count );
 	if ( follower )
@@ -125,6 +125,7 @@ void SoftBody::Impl::archiveState( Archive& archive )
 		return;
 	}
 	contactRecords = tellsContacts ? std::make_unique<ContactRecords>() : nullptr; // its events start again
+	skin.interpolate( isInterpolated );
 	nearNodes = std::move( near );
 	const auto isNode = [count]( const Near& each ) { return each.node >= 0 && each.node < count; };
 	archive.require( std::isfinite( mass ) && mass > 0.0 && shapeShift.cwiseAbs().maxCoeff() <= kFarthestStored &&
@@ -159,6 +160,7 @@ void SoftBody::Impl::install( SoftBody& owner, std::unique_ptr<Impl> impl )
 	{
 		const unsigned fracture = owner.fractureVersion(), levels = owner.levelVersion();
 		const double tolerance = impl->skin.tolerance;
+		const bool isInterpolated = impl->skin.blend != nullptr;
 		Impl& before = *owner.m_impl;
 		const Levels* const now = impl->body->levels();
 		const int shift = std::max( shiftPast( fracture, impl->fractureVersion ), now ? shiftPast( levels, now->version() ) : 0 );
@@ -167,6 +169,7 @@ void SoftBody::Impl::install( SoftBody& owner, std::unique_ptr<Impl> impl )
 		impl->skin = std::move( before.skin );
 		impl->skin.fade.clear();
 		impl->skin.tolerance = tolerance;
+		impl->skin.interpolate( isInterpolated );
 		impl->skin.nodesChanged();
 		impl->surface = before.surface;
 		impl->system = before.system;

@@ -76,6 +76,22 @@ TEST( Saving, LoadedBodyGoesOnLikeTheSavedOne )
 	}
 }
 
+TEST( Saving, InterpolationIsKept )
+{
+	TestWorld t;
+	SoftBody* const body = t.addSoft( cube(), at( 0, 3, 0 ), stiff( 3e4f ) );
+	body->setInterpolation( true );
+	t.run( 2 );
+	const SoftBodyResult loaded = loadBody( saveBody( *body ).value );
+	ASSERT_TRUE( loaded.ok() ) << loaded.status.sentence;
+	EXPECT_TRUE( loaded.value->interpolation() );
+	std::vector<std::byte> bytes;
+	ASSERT_TRUE( saveWorld( t.world, bytes ).ok() );
+	body->setInterpolation( false );
+	ASSERT_TRUE( restoreWorld( t.world, bytes ).ok() );
+	EXPECT_TRUE( body->interpolation() );
+}
+
 // Bullet's own sweeps of fast bodies are made before the next step updates any surface.
 TEST( Saving, QueriesMeetARestoredBodyAtOnce )
 {
