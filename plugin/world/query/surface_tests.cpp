@@ -41,11 +41,28 @@ struct Tested
 		const btCollisionShape* const shape = other.getCollisionShape();
 		return shape->isConvex() ? static_cast<const btConvexShape*>( shape ) : nullptr;
 	}
+	/// The point of the other object, a convex one, farthest against a direction, world, m.
+	btVector3 deepestBehind( const btVector3& normal ) const
+	{
+		const btTransform& at = other.getWorldTransform();
+		return at( convex()->localGetSupportingVertex( ( -normal ) * at.getBasis() ) );
+	}
 	/// Height of the lowest point of the other object, a convex one, over a plane, m.
 	btScalar heightOver( const btVector3& point, const btVector3& normal ) const
 	{
-		const btTransform& at = other.getWorldTransform();
-		return ( at( convex()->localGetSupportingVertex( ( -normal ) * at.getBasis() ) ) - point ).dot( normal );
+		return ( deepestBehind( normal ) - point ).dot( normal );
+	}
+	/// Whether a point is in the soft body, and then its distance from the surface, m.
+	bool isInside( const btVector3& point, btScalar& distance ) const
+	{
+		const btVector3 local = soft.getWorldTransform().invXform( point );
+		btVector3 onSurface, outwards;
+		if ( !surface().contains( local, onSurface, outwards ) )
+		{
+			return false;
+		}
+		distance = ( onSurface - local ).length();
+		return true;
 	}
 	/// A contact at a point of the surface. `outwards`: out of the soft body; `part` and `index`: of the other shape.
 	void add( const btVector3& point, const btVector3& outwards, btScalar distance, int part, int index )
@@ -78,10 +95,12 @@ struct TriangleResult : btManifoldResult
 		const btScalar cosine = outwards.dot( m_outwards );
 		if ( cosine < 0 && m_tested.convex() )
 		{
-			if ( cosine > -kBehindCosine )
+			const btVector3 deepest = m_tested.deepestBehind( m_outwards );
+			const btScalar height = ( deepest - point ).dot( m_outwards );
+			btScalar inside;
+			if ( cosine > -kBehindCosine || !m_tested.isInside( deepest, inside ) )
 			{
-				// Touches an edge of the triangle from beside: the neighbour at that edge has the contact.
-				const btScalar height = m_tested.heightOver( point, m_outwards );
+				// Touches an edge of the triangle from beside, or goes past it: the neighbour at that edge has the contact.
 				if ( height < m_tested.left.distance )
 				{
 					m_tested.left = { point, m_outwards, height, m_partId1, m_index1 };
@@ -89,7 +108,7 @@ struct TriangleResult : btManifoldResult
 				return;
 			}
 			outwards = m_outwards;
-			depth = m_tested.heightOver( point, outwards );
+			depth = std::max( height, -inside ); // other faces may be nearer
 		}
 		m_tested.add( point, outwards, depth, m_partId1, m_index1 );
 	}
