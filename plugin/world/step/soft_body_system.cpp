@@ -70,7 +70,9 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 		report.implicitBodies += moves( *body ) && stepsImplicitly( *body ) ? 1 : 0;
 		report.rigidBodies += impl.rigidProxy ? 1 : 0;
 		report.quarantined += impl.isHealthy ? 0 : 1;
-		report.unreachableStiffness += impl.plan.reachable ? 0 : 1;
+		// The step of a sleeping body that chooses by itself is not known.
+		const bool isChoosing = !moves( *body ) && body->material().elasticity == Elasticity::Automatic;
+		report.unreachableStiffness += impl.plan.reachable || isChoosing ? 0 : 1;
 	}
 	keepDrawn();
 }
