@@ -81,6 +81,13 @@ inline constexpr int kTargetTries = 4;
 inline constexpr double kTargetSlackWhenOpen = 0.3;
 inline constexpr int kTargetTriesWhenOpen = 2;
 
+/// A mesh is a box along the axes if its area, and its volume, differ from its bounding box's by less than this fraction. Cell edges that
+/// divide its edges are sought within a fifth of the one for targetCells; the count may deviate by `kBoxTargetSlack`, and ten per cent of
+/// it weigh as one per cent of an edge that is left over.
+inline constexpr double kBoxFill = 0.01;
+inline constexpr int kBoxSearch = 5;
+inline constexpr double kBoxTargetSlack = 0.26, kBoxCountWeight = 0.1;
+
 /// Subdivision of a position's edge at which a shell records the surface's path; its cube is the number of bits of a word.
 inline constexpr int kShellSamples = 4;
 

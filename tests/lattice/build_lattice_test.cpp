@@ -117,6 +117,22 @@ TEST( Build, TargetIsMetAboutly )
 	}
 }
 
+// A cube of 1 m and 1 000 kg had 1 070 kg with 500 cells: all samples of a cell that a face cuts lie on the same side of it.
+TEST( Build, BoxesHaveTheirVolume )
+{
+	for ( const int target : { 500, 1000, 2000, 5000 } )
+	{
+		for ( const Vec3d& size : { Vec3d( 1, 1, 1 ), Vec3d( 0.4, 0.4, 0.8 ), Vec3d( 1, 2, 3 ) } )
+		{
+			LatticeSettings settings;
+			settings.targetCells = target;
+			const LatticeBuild build = built( makeBox( { -0.1, 0.2, 0 }, { size.x() - 0.1, size.y() + 0.2, size.z() } ), settings );
+			EXPECT_NEAR( build.report.volume / size.prod(), 1.0, 1e-5 ) << size.transpose() << ", " << target;
+			EXPECT_NEAR( build.lattice.cellCount(), target, 0.26 * target );
+		}
+	}
+}
+
 TEST( Build, MovingByWholeCellsChangesNothing )
 {
 	// Vertices on multiples of 2^-10, so that moving them is exact.

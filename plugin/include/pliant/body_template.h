@@ -43,7 +43,7 @@ enum class Shell : int
 /// Settings of BodyTemplate::build. Values out of range are refused (BadSettings).
 struct LatticeSettings
 {
-	/// Edge length of a finest cell, m, finite. 0: chosen so that about `targetCells` cells are filled.
+	/// Edge length of a finest cell, m, finite. 0: chosen so that about `targetCells` cells are filled, in a box along the axes full ones.
 	float cellSize = 0.0f;
 
 	/// Desired number of cells, 1 to maxCells; used when cellSize is 0.

@@ -3,6 +3,7 @@
 #include "lattice/build/build_lattice.h"
 
 #include "lattice/attempt.h"
+#include "lattice/build/box_cells.h"
 #include "lattice/build/contact_patches.h"
 #include "lattice/build/links.h"
 #include "lattice/build/sentence.h"
@@ -137,6 +138,13 @@ private:
 	{
 		const double target = m_settings.targetCells;
 		double d = sizeForCells( target );
+		if ( !m_isShellOnly && m_field->isClosed() && isBox( m_mesh.high - m_mesh.low, m_area, volume() ) )
+		{
+			if ( const double fitting = cellEdgeOfBox( m_mesh.high - m_mesh.low, d, target ); fitting > 0.0 )
+			{
+				return buildAt( double( float( fitting ) ) );
+			}
+		}
 		for ( int attempt = 1;; ++attempt )
 		{
 			const Status status = buildAt( double( float( d ) ) );
