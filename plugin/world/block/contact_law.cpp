@@ -298,21 +298,28 @@ double nodeMass( const IslandBlock& block, const BlockContact& contact )
 
 } // namespace
 
-// After a pass in which contacts of a stiff body pull, all of them may release at once.
-bool IslandBlock::leavesApproach() const
+// After a pass in which contacts of a stiff body pull, all of them may release at once. For each body, because a light one counts little
+// beside a heap.
+bool IslandBlock::leavesApproach()
 {
-	double press = 0.0, left = 0.0, mass = 0.0;
+	m_partErrors.assign( soft.size(), PartError{} );
 	for ( const BlockContact& contact : contacts )
 	{
-		press += contact.isAttachment() ? 0.0 : std::abs( contact.normalImpulse );
-		if ( !contact.isActive && ( contact.side[0].soft >= 0 || contact.side[1].soft >= 0 ) )
+		for ( const ContactSide& side : contact.side )
 		{
+			if ( side.soft < 0 || contact.isAttachment() )
+			{
+				continue;
+			}
+			PartError& part = m_partErrors[std::size_t( side.soft )];
 			const double node = nodeMass( *this, contact ), along = contact.normal.dot( relativeVelocity( contact, m_next.data() ) );
-			left += node * std::max( 0.0, contact.target - along );
-			mass += node;
+			const double missing = contact.isActive ? 0.0 : std::max( 0.0, contact.target - along - double( kGradientSpeed ) );
+			part.limit += std::abs( contact.normalImpulse );
+			part.left += node * missing;
 		}
 	}
-	return left > kLargestMomentumLeft * press + double( kGradientSpeed ) * mass;
+	return std::any_of(
+		m_partErrors.begin(), m_partErrors.end(), []( const PartError& part ) { return part.left > kLargestMomentumLeft * part.limit; } );
 }
 
 // Uses the linearised law, not the law at v: impulses that belong to no solved system would add energy.

@@ -218,7 +218,8 @@ private:
 		bool pulls; ///< an attachment
 	};
 
-	/// The summed error of the friction on one part against the law, and the summed friction limits of its contacts, N s.
+	/// The summed error of the friction on one part against the law, the summed friction limits of its contacts, and the momentum with
+	/// which its nodes go on through contacts without an impulse, N s.
 	struct PartError
 	{
 		Vec3d tangent = Vec3d::Zero();
@@ -328,7 +329,7 @@ private:
 	/// `passes`: the number of passes made so far.
 	void linearise( const float* v, int passes );
 	bool isUnphysical() const; ///< contacts pull, or friction exceeds its limits by far
-	bool leavesApproach() const; ///< contacts without an impulse leave nodes a momentum that counts beside the others' impulses
+	bool leavesApproach();     ///< contacts without an impulse leave nodes a momentum that counts beside the others' impulses
 	Match matchAt( const float* v );
 	void readImpulses( const float* v );
 	/// Returns the fraction of the segment from m_v to m_next at which the energy is lowest.
