@@ -299,6 +299,8 @@ inline constexpr double kLockedJointMobility = 1e-4;
 inline constexpr std::size_t kMostJoined = 32;
 /// Relative regularisation of the joints' equations, which are redundant for two hinges of one door.
 inline constexpr double kJointRounding = 1e-6;
+/// Rounds in which the rows of joints that are at their limits are found: stops and motors need two or three.
+inline constexpr int kJointRounds = 8;
 
 // --- Bodies in their rigid state (Material::rigidStrain) ---
 
@@ -386,17 +388,21 @@ inline constexpr double kFarthestOfFrame = 2.0;
 /// Smallest mobility that Bullet's solver sees, 1/kg and 1/(kg m^2): where all nodes of the patch are held.
 inline constexpr double kLeastFrameMobility = 1e-6;
 
-/// Fraction of the difference by which the expected force of the joints on a frame of an implicit body follows the actual one in a substep,
-/// for the exact mobility; times the smallest ratio of the exact mobility to the one that Bullet sees. Faster learning than the joints'
-/// correction drives vibrations.
+/// Fraction of the difference by which the force on a frame's patch follows that of its joints in a substep. What the joints' rows do not
+/// say is learnt by it times the ratio of the exact mobility to the one that Bullet sees: faster learning than the joints' correction
+/// drives vibrations.
 inline constexpr double kFrameLearning = 0.25;
-
-/// Lower bound of that fraction.
-inline constexpr double kLeastFrameFraction = 0.1;
 
 /// Position of the origin of a frame of a stiff implicit body between the patch and the body's centre of mass: impulses there rotate it
 /// least, between the two because the patch deforms locally.
 inline constexpr double kFrameInward = 0.75;
+
+/// The response of a body to impulses on its frames is solved to this fraction of its energy. A bar of 3e9 Pa swings as a rigid one does;
+/// with ten times as much it lags, and with a thousandth a body of 1 700 nodes costs a fifth more.
+inline constexpr double kResponseFraction = 1e-5;
+
+/// Velocities of a body count as rigid where less than this fraction of their energy is left without the rigid motion.
+inline constexpr double kLeastElastic = 1e-12;
 
 /// Least eigenvalue of the energies of velocity fields, each of energy 1, that count as independent: those below are rounding.
 inline constexpr double kLeastResponse = 1e-5;

@@ -114,8 +114,13 @@ bool BlockReach::addRing()
 
 // Breadth first: the bodies that touch a soft body, then those that rest on them, and so on.
 void BlockReach::choose( btDispatcher& dispatcher, const Attachments& attachments, const BlockLookup& lookup, int blocks,
-	const btVector3& gravity, const ManifoldFilter& taken )
+	const btVector3& gravity, const ManifoldFilter& taken, const std::vector<const btCollisionObject*>& onFrames )
 {
+	std::fill( m_isOnFrame.begin(), m_isOnFrame.end(), static_cast<unsigned char>( 0 ) );
+	for ( const btCollisionObject* const object : onFrames )
+	{
+		flagAt( m_isOnFrame, object->getWorldArrayIndex() ) = 1;
+	}
 	std::fill( m_takesPart.begin(), m_takesPart.end(), static_cast<unsigned char>( 0 ) );
 	std::fill( m_isKnown.begin(), m_isKnown.end(), static_cast<unsigned char>( 0 ) );
 	m_rigidCount.assign( std::size_t( blocks ), 0 );
@@ -146,8 +151,9 @@ void BlockReach::choose( btDispatcher& dispatcher, const Attachments& attachment
 bool BlockReach::takesPart( int block, const btCollisionObject& rigid ) const
 {
 	const int index = rigid.getWorldArrayIndex();
+	const bool isOnFrame = index >= 0 && index < int( m_isOnFrame.size() ) && m_isOnFrame[std::size_t( index )] != 0;
 	// Soft bodies in their rigid state often lie in heaps: those that touch a deformable body take part, the others do not.
-	return ( m_rigidCount[std::size_t( block )] <= kWholeBlockRigid && !ownerOfRigidProxy( &rigid ) ) ||
+	return ( m_rigidCount[std::size_t( block )] <= kWholeBlockRigid && !ownerOfRigidProxy( &rigid ) && !isOnFrame ) ||
 		( index >= 0 && index < int( m_takesPart.size() ) && m_takesPart[std::size_t( index )] == 1 );
 }
 

@@ -54,9 +54,10 @@ class BlockReach
 {
 public:
 	/// Chooses from the current contacts. `blocks`: the number of blocks. `gravity`: m/s^2; zero: bodies rest on each other all around.
-	/// `taken`: manifolds that were in blocks.
+	/// `taken`: manifolds that were in blocks. `onFrames`: rigid bodies on joints with soft bodies, whose contacts Bullet solves together
+	/// with these joints unless they touch a soft body.
 	void choose( btDispatcher& dispatcher, const Attachments& attachments, const BlockLookup& lookup, int blocks, const btVector3& gravity,
-		const ManifoldFilter& taken );
+		const ManifoldFilter& taken, const std::vector<const btCollisionObject*>& onFrames = {} );
 	bool takesPart( int block, const btCollisionObject& rigid ) const;
 	/// The manifolds with a soft body or in the island of a block, and those of `taken`, in Bullet's order.
 	const std::vector<btPersistentManifold*>& manifolds() const { return m_manifolds; }
@@ -74,6 +75,7 @@ private:
 
 	std::vector<unsigned char> m_takesPart, m_isKnown; ///< by a rigid body's index in the world
 	std::vector<unsigned char> m_isCarried;            ///< the same: it rests on a soft body
+	std::vector<unsigned char> m_isOnFrame;            ///< the same: on a joint with a soft body
 	btVector3 m_up = btVector3( 0, 0, 0 );             ///< of unit length, or zero
 	std::vector<Edge> m_edges;
 	std::vector<int> m_rigidCount, m_taken; ///< by block: number of rigid bodies, and of those that take part

@@ -196,13 +196,13 @@ void BlockSolve::before( const Scene& scene, TaskRunner* runner )
 	{
 		if ( scene.taken.mayContainAny() )
 		{
-			m_reach.choose( scene.dispatcher, attachments, *this, 0, scene.gravity, scene.taken );
+			m_reach.choose( scene.dispatcher, attachments, *this, 0, scene.gravity, scene.taken, scene.onFrames );
 			m_contacts.gather( m_reach.manifolds(), info, *this, m_blocks, scene.taken ); // finds none, and clears stale friction impulses
 		}
 		m_outside.clear();
 		return;
 	}
-	m_reach.choose( scene.dispatcher, attachments, *this, int( m_tagOf.size() ), scene.gravity, scene.taken );
+	m_reach.choose( scene.dispatcher, attachments, *this, int( m_tagOf.size() ), scene.gravity, scene.taken, scene.onFrames );
 	m_contacts.gather( m_reach.manifolds(), info, *this, m_blocks, scene.taken );
 	m_contacts.gatherAttachments( attachments, m_h, *this, m_blocks );
 	for ( std::size_t k = 0; k < m_tagOf.size(); ++k )

@@ -33,8 +33,9 @@ public:
 		const JointGroup::Joints& joints; ///< of the pass
 		btDispatcher& dispatcher;
 		const btContactSolverInfo& info;
-		btVector3 gravity;     ///< m/s^2
-		ManifoldFilter& taken; ///< the manifolds of all passes' blocks
+		btVector3 gravity;                                     ///< m/s^2
+		ManifoldFilter& taken;                                 ///< the manifolds of all passes' blocks
+		const std::vector<const btCollisionObject*>& onFrames; ///< rigid bodies on joints with frames
 	};
 	/// Solves the blocks of the awake bodies, sets the velocities of nodes and rigid bodies, and hides the blocks' contacts from Bullet.
 	void before( const Scene& scene, TaskRunner* runner );

@@ -270,7 +270,7 @@ void IslandBlock::respond( const float* impulse, float* velocity )
 	std::copy( velocity, velocity + size, m_v.begin() );
 	precondition( m_rightSide.data(), m_next.data() );
 	const double whole = dot( m_rightSide.data(), m_next.data(), m_size );
-	m_gradients.solve( *this, m_rightSide.data(), m_v.data(), GradientLimits{ 0.0, kGradientFraction * whole, kMostGradients } );
+	m_gradients.solve( *this, m_rightSide.data(), m_v.data(), GradientLimits{ 0.0, kResponseFraction * whole, kMostGradients } );
 	std::copy( m_v.begin(), m_v.begin() + size, velocity );
 }
 

@@ -223,7 +223,7 @@ private:
 	struct PartError
 	{
 		Vec3d tangent = Vec3d::Zero();
-		double limit = 0.0;
+		double limit = 0.0, left = 0.0;
 	};
 	/// Whether the impulses satisfy the nonlinear law: `all` for the sums over all contacts, `each` for the friction on each part.
 	struct Match

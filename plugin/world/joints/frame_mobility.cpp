@@ -6,6 +6,7 @@
 #include "world/constants.h"
 #include "world/joints/frames.h"
 
+#include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -31,7 +32,6 @@ void setMobility( Frame& frame, int framesOfBody )
 	const Vector6 fractions = Eigen::SelfAdjointEigenSolver<Matrix6>( relative, Eigen::EigenvaluesOnly ).eigenvalues();
 	const double excess = double( framesOfBody ) * std::max( 1.0, fractions[5] );
 	diagonal *= excess;
-	frame.learning = kFrameLearning * std::max( fractions[0], kLeastFrameFraction ) / excess;
 	frame.rigid->setMassProps( btScalar( 1.0 / diagonal[0] ), toBt( diagonal.tail<3>().cwiseInverse() ) );
 	frame.rigid->updateInertiaTensor();
 }
@@ -82,9 +82,7 @@ void Frames::restoreMobilities()
 		{
 			const auto count = std::count_if(
 				m_frames.begin(), m_frames.end(), [&frame]( const Frame& other ) { return other.body == frame.body; } );
-			const double learning = frame.learning;
 			setMobility( frame, frame.body->impl().isImplicit ? int( count ) : 1 );
-			frame.learning = learning;
 		}
 	}
 }
@@ -146,51 +144,57 @@ std::vector<JointGroup::Compliant> Frames::coupledPatches( double h ) const
 		const Eigen::Index size = 6 * Eigen::Index( frames.size() );
 		patches.mobility = Eigen::MatrixXd::Zero( size, size );
 		patches.velocities.resize( size );
-		Eigen::VectorXd forces( size );
+		Eigen::VectorXd known( size ); // what the rows of Bullet's joints do not say, less what acts on the patches already, N and N m
 		for ( std::size_t a = 0; a < frames.size(); ++a )
 		{
 			const Eigen::Index at = 6 * Eigen::Index( a );
 			patches.bodies.push_back( frames[a]->rigid.get() );
 			patches.velocities.segment<6>( at ) = frames[a]->velocity;
-			forces.segment<6>( at ) = frames[a]->force;
+			known.segment<6>( at ) = frames[a]->unseen - frames[a]->force;
 			for ( std::size_t b = 0; b < frames.size(); ++b )
 			{
 				patches.mobility.block<6, 6>( at, 6 * Eigen::Index( b ) ) = mobilityBetween( *frames[a], *frames[b] );
 			}
 		}
 		patches.mobility = ( 0.5 * ( patches.mobility + patches.mobility.transpose() ) ).eval();
-		patches.velocities -= h * patches.mobility * forces;
+		patches.velocities += h * patches.mobility * known;
 	}
 	return all;
 }
 
-void Frames::solve( const btAlignedObjectArray<btTypedConstraint*>& joints, double h, double erp )
+void Frames::solve(
+	const btAlignedObjectArray<btTypedConstraint*>& joints, const std::vector<unsigned char>& touches, const btContactSolverInfo& info )
 {
+	const double h = double( info.m_timeStep );
 	const std::vector<JointGroup::Compliant> patches = coupledPatches( h );
 	std::vector<char> isDone( m_frames.size() );
 	for ( std::size_t k = 0; k < m_frames.size(); ++k )
 	{
 		JointGroup group;
-		m_frames[k].impulse = isDone[k] ? m_frames[k].impulse : Vector6( h * m_frames[k].force );
-		if ( !m_frames[k].isSolved || isDone[k] || !group.collectCompliant( *m_frames[k].rigid, joints, patches, h, erp ) )
+		if ( !m_frames[k].isSolved || isDone[k] || !group.collectCompliant( *m_frames[k].rigid, joints, patches, touches, info ) )
 		{
 			continue;
 		}
 		for ( std::size_t other = k; other < m_frames.size(); ++other )
 		{
-			Frame& frame = m_frames[other];
-			if ( frame.isSolved && group.contains( *frame.rigid ) )
+			if ( m_frames[other].isSolved && group.contains( *m_frames[other].rigid ) )
 			{
 				isDone[other] = 1;
-				frame.impulse = group.jointImpulseOn( *frame.rigid );
-				frame.learning = kFrameLearning;
-				applyImpulse( frame, frame.impulse - h * frame.force );
+				m_frames[other].impulse = group.jointImpulseOn( *m_frames[other].rigid );
 			}
+		}
+	}
+	for ( Frame& frame : m_frames )
+	{
+		if ( frame.isSolved )
+		{
+			frame.impulse += h * frame.unseen;
+			applyImpulse( frame, frame.impulse - h * frame.force );
 		}
 	}
 }
 
-void Frames::refineJoints( const btAlignedObjectArray<btTypedConstraint*>& joints )
+void Frames::refineJoints( const btAlignedObjectArray<btTypedConstraint*>& joints, const btContactSolverInfo& info )
 {
 	const auto isSolved = [this]( const btRigidBody& body ) {
 		const Frame* const frame = find( body );
@@ -201,7 +205,7 @@ void Frames::refineJoints( const btAlignedObjectArray<btTypedConstraint*>& joint
 		btTypedConstraint& joint = *joints[k];
 		if ( joint.getOverrideNumSolverIterations() < 0 && ( isSolved( joint.getRigidBodyA() ) || isSolved( joint.getRigidBodyB() ) ) )
 		{
-			joint.setOverrideNumSolverIterations( kFrameIterations );
+			joint.setOverrideNumSolverIterations( std::max( kFrameIterations, info.m_numIterations ) );
 			m_refined.push_back( &joint );
 		}
 	}
@@ -228,13 +232,26 @@ void Frames::hold( const SoftBody& body )
 	} );
 }
 
-void Frames::restoreIterations()
+void Frames::restoreIterations( const btAlignedObjectArray<btTypedConstraint*>& joints )
 {
 	for ( btTypedConstraint* const joint : m_refined )
 	{
-		joint->setOverrideNumSolverIterations( -1 ); // Bullet's default: as many as the world's
+		if ( joints.findLinearSearch( joint ) < joints.size() )
+		{
+			joint->setOverrideNumSolverIterations( -1 ); // Bullet's default: as many as the world's
+		}
 	}
 	m_refined.clear();
+}
+
+void Frames::begin( const btAlignedObjectArray<btTypedConstraint*>& joints )
+{
+	restoreIterations( joints );
+	for ( Frame& frame : m_frames )
+	{
+		frame.isSolved = false;
+		frame.impulse.setZero();
+	}
 }
 
 void Frames::after( SoftBody& body, double h )
@@ -244,7 +261,8 @@ void Frames::after( SoftBody& body, double h )
 		{
 			const Vector6 impulse = impulseFor( *frame.rigid, velocityOf( *frame.rigid ) - frame.given );
 			applyImpulse( frame, impulse - frame.impulse );
-			frame.force += frame.learning * ( impulse / h - frame.force );
+			frame.unseen += kFrameLearning / h * impulseFor( *frame.rigid, frame.mobility * ( impulse - frame.impulse ) );
+			frame.force += kFrameLearning * ( impulse / h - frame.force );
 			setVelocity( *frame.rigid, velocityOfPatch( frame ) );
 		}
 	} );

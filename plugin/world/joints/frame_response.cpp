@@ -7,6 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <algorithm>
 #include <limits>
 #include <vector>
 
@@ -72,6 +73,28 @@ void keepMomentum( const ImplicitMotion& motion, const NodeState& nodes, const f
 		const Vec3d arm = nodes.x.get( i ).cast<double>() - motion.centre( part );
 		const Vec3d change = double( nodes.freedom[i] ) * ( rigid.head<3>() + Vec3d( rigid.tail<3>() ).cross( arm ) );
 		set( velocity, padded, i, at( velocity, padded, i ) + change );
+	}
+}
+
+double energyOf( const NodeState& nodes, const float* velocity )
+{
+	double sum = 0.0;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		sum += double( nodes.mass[i] ) * at( velocity, std::size_t( nodes.padded ), i ).squaredNorm();
+	}
+	return sum;
+}
+
+/// Leaves of velocities what is no rigid motion; nothing of rounding.
+void removeRigid( const ImplicitMotion& motion, const NodeState& nodes, const float* noImpulse, AlignedArray<float>& velocity )
+{
+	const double before = energyOf( nodes, velocity.data() );
+	keepMomentum( motion, nodes, noImpulse, velocity.data() );
+	keepMomentum( motion, nodes, noImpulse, velocity.data() );
+	if ( energyOf( nodes, velocity.data() ) <= kLeastElastic * before )
+	{
+		std::fill( velocity.begin(), velocity.end(), 0.0f );
 	}
 }
 
@@ -167,6 +190,7 @@ void measureResponses( const std::vector<Frame*>& frames, const Frames::Response
 			impulses.push_back( unitImpulse( *frame, k ) );
 			rigid.emplace_back( size );
 			keepMomentum( motion, nodes, impulses.back().data(), rigid.back().data() );
+			keepMomentum( motion, nodes, impulses.back().data(), rigid.back().data() ); // the inertia has a floor
 			elastic.push_back( rigid.back() );
 			response( impulses.back().data(), elastic.back().data() );
 		}
@@ -176,7 +200,7 @@ void measureResponses( const std::vector<Frame*>& frames, const Frames::Response
 	AlignedArray<float> product( size );
 	for ( AlignedArray<float>& each : elastic )
 	{
-		keepMomentum( motion, nodes, none.data(), each.data() );
+		removeRigid( motion, nodes, none.data(), each );
 	}
 	for ( Eigen::Index j = 0; j < count; ++j )
 	{

@@ -1,7 +1,13 @@
 // Frames and poses in a pass.
 
+#include "world/bodies/manifolds.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"
+
+#include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
+
+#include <algorithm>
+#include <vector>
 
 namespace pliant {
 
@@ -43,6 +49,7 @@ void SoftBodySystem::giveFrames( const btAlignedObjectArray<btTypedConstraint*>&
 	{
 		return;
 	}
+	frames.begin( joints );
 	for ( SoftBody* body : m_bodies )
 	{
 		if ( moves( *body ) && isInPass( *body ) )
@@ -56,15 +63,31 @@ void SoftBodySystem::giveFrames( const btAlignedObjectArray<btTypedConstraint*>&
 			frames.hold( *body );
 		}
 	}
-	const double h = double( info.m_timeStep );
-	frames.solve( joints, h, double( info.m_erp ) );
-	frames.refineJoints( joints );
+	std::vector<unsigned char> touches;
+	forEachManifold( *m_world.getDispatcher(), [&touches]( const btPersistentManifold& manifold ) {
+		bool isTouch = false;
+		for ( int k = 0; k < manifold.getNumContacts(); ++k )
+		{
+			isTouch = isTouch || manifold.getContactPoint( k ).getDistance() <= 0;
+		}
+		for ( const btCollisionObject* const object : { manifold.getBody0(), manifold.getBody1() } )
+		{
+			if ( isTouch && object->getWorldArrayIndex() >= 0 && object->hasContactResponse() )
+			{
+				const std::size_t index = std::size_t( object->getWorldArrayIndex() );
+				touches.resize( std::max( touches.size(), index + 1 ) );
+				touches[index] = 1;
+			}
+		}
+	} );
+	frames.solve( joints, touches, info );
+	frames.refineJoints( joints, info );
 	frames.give();
 }
 
-void SoftBodySystem::readFrames( btScalar h )
+void SoftBodySystem::readFrames( const btAlignedObjectArray<btTypedConstraint*>& joints, btScalar h )
 {
-	frames.restoreIterations();
+	frames.restoreIterations( joints );
 	for ( SoftBody* body : m_awake )
 	{
 		if ( !frames.isEmpty() && moves( *body ) )

@@ -128,7 +128,6 @@ void release( Frame& frame, const btDiscreteDynamicsWorld& world )
 	frame.body = nullptr;
 	frame.patch.clear();
 	frame.rigid->setFlags( 0 );
-	frame.rigid->setLinearFactor( btVector3( 1, 1, 1 ) );
 	frame.rigid->setGravity( world.getGravity() );
 	const double size = std::max( frame.radius, 1e-3 );
 	const btScalar moment = btScalar( 0.4 * frame.mass * size * size );
@@ -156,6 +155,21 @@ bool Frames::has( const SoftBody& body ) const
 	return std::any_of( m_frames.begin(), m_frames.end(), [&body]( const Frame& frame ) { return frame.body == &body; } );
 }
 
+const std::vector<const btCollisionObject*>& Frames::partners( const btAlignedObjectArray<btTypedConstraint*>& joints )
+{
+	m_partners.clear();
+	for ( int k = 0; !m_frames.empty() && k < joints.size(); ++k )
+	{
+		const btRigidBody &a = joints[k]->getRigidBodyA(), &b = joints[k]->getRigidBodyB();
+		const bool isA = find( a ), isB = find( b );
+		if ( isA != isB && ( isA ? b : a ).getWorldArrayIndex() >= 0 )
+		{
+			m_partners.push_back( isA ? &b : &a );
+		}
+	}
+	return m_partners;
+}
+
 void Frame::copyState( const Frame& from )
 {
 	radius = from.radius;
@@ -167,8 +181,8 @@ void Frame::copyState( const Frame& from )
 	mass = from.mass;
 	inertia = from.inertia;
 	force = from.force;
+	unseen = from.unseen;
 	mobility = from.mobility;
-	learning = from.learning;
 	given = from.given;
 }
 

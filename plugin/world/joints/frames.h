@@ -24,6 +24,7 @@
 
 class btCollisionObject;
 class btCollisionShape;
+struct btContactSolverInfo;
 class btDiscreteDynamicsWorld;
 class btRigidBody;
 
@@ -58,14 +59,14 @@ struct Frame
 	Vec3d mean = Vec3d::Zero();                        ///< from the origin to the patch's centre of mass, world, m
 	double mass = 0.0;                                 ///< of the patch, kg
 	Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero(); ///< of the patch about its centre of mass, kg m^2
-	Vector6 force = Vector6::Zero();                   ///< learnt: of joints on the patch about the origin, N and N m
+	Vector6 force = Vector6::Zero();                   ///< smoothed: of joints on the patch about the origin, N and N m
 	std::vector<float> response;                       ///< A^-1 B, six vectors, of an implicit body
 	Matrix6 mobility = Matrix6::Zero();                ///< W
 	Vector6 velocity = Vector6::Zero();                ///< of the patch, before the joints of a pass
-	Vector6 impulse = Vector6::Zero();                 ///< of the joints in this pass as they were solved for, N s and N m s
-	double learning = 0.0;           ///< fraction of the difference by which the learnt force follows the joints' in a substep
-	Vector6 given = Vector6::Zero(); ///< the velocity that Bullet's solver got
-	bool isSolved = false;           ///< Bullet's solver has it in this pass
+	Vector6 impulse = Vector6::Zero();                 ///< of the joints in this pass as expected, N s and N m s
+	Vector6 unseen = Vector6::Zero();                  ///< learnt: of what Bullet's solver finds beyond the rows of its joints, N and N m
+	Vector6 given = Vector6::Zero();                   ///< the velocity that Bullet's solver got
+	bool isSolved = false;                             ///< Bullet's solver has it in this pass
 
 	/// Copies the data that a pass changes from another frame: all but the objects.
 	void copyState( const Frame& from );
@@ -90,25 +91,30 @@ public:
 	const std::vector<Frame>& all() const { return m_frames; }
 	const Frame* find( const btRigidBody& rigid ) const;
 	bool has( const SoftBody& body ) const; ///< frames of it
+	/// The rigid bodies that joints connect with frames, until the next call.
+	const std::vector<const btCollisionObject*>& partners( const btAlignedObjectArray<btTypedConstraint*>& joints );
 	/// Makes the frame of a rigid body the one with this number, in a saved state; `body`: null if its patch no longer existed.
 	void restore( std::size_t number, const btRigidBody& rigid, const Frame& state, SoftBody* body, const btDiscreteDynamicsWorld& world );
 	/// Gives the rigid bodies their masses again when all are restored.
 	void restoreMobilities();
 
 	// One pass, for the frames of one body.
-	void place( const SoftBody& body );      ///< where its patch is
-	void press( SoftBody& body, bool isOn ); ///< adds the learnt forces to the nodes', or takes them out again
+	void place( const SoftBody& body );                                   ///< where its patch is
+	void press( SoftBody& body, bool isOn );                              ///< adds the learnt forces to the nodes', or takes them out again
+	void begin( const btAlignedObjectArray<btTypedConstraint*>& joints ); ///< of a pass
 	/// Velocities of an implicit body's nodes by impulses on them, as arrays of three components; `velocity` is the initial guess.
 	using Response = std::function<void( const float* impulse, float* velocity )>;
 	/// Before Bullet's solver: mobilities and velocities.
 	void measureMobility( SoftBody& body, const Response& response, TaskRunner* runner );
 	/// Solves the joints of the measured frames, each group with all bodies that joints connect, and applies the impulses to the patches.
-	void solve( const btAlignedObjectArray<btTypedConstraint*>& joints, double h, double erp );
+	/// `touches`: by index in the world, whether a rigid body touches something.
+	void solve( const btAlignedObjectArray<btTypedConstraint*>& joints, const std::vector<unsigned char>& touches,
+		const btContactSolverInfo& info );
 	void give(); ///< to Bullet's solver: the velocities of the measured frames
 	/// Lets Bullet's solver take more iterations for the joints of measured frames, where the game has set none: a frame's rigid body is
 	/// light, and what the joints lack in impulse moves the whole patch.
-	void refineJoints( const btAlignedObjectArray<btTypedConstraint*>& joints );
-	void restoreIterations();
+	void refineJoints( const btAlignedObjectArray<btTypedConstraint*>& joints, const btContactSolverInfo& info );
+	void restoreIterations( const btAlignedObjectArray<btTypedConstraint*>& joints );
 	void after( SoftBody& body, double h );
 	void hold( const SoftBody& body ); ///< the same for a body that is static, kinematic or in quarantine: its frames cannot be moved
 
@@ -134,7 +140,8 @@ private:
 		}
 	}
 
-	std::vector<Frame> m_frames;               ///< in the order in which they were made
+	std::vector<Frame> m_frames; ///< in the order in which they were made
+	std::vector<const btCollisionObject*> m_partners;
 	std::vector<btTypedConstraint*> m_refined; ///< joints with more iterations in this pass
 };
 

@@ -2,6 +2,7 @@
 
 #include "world/constants.h"
 
+#include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -31,7 +32,7 @@ JointGroup::Vector6 stacked( const btVector3& linear, const btVector3& angular )
 struct JointGroup::Rows
 {
 	static constexpr int kStride = 4;
-	explicit Rows( int count, double h, double erp )
+	Rows( int count, double h, double erp, int iterations, double damping )
 	{
 		for ( std::vector<btScalar>* array : { &linearA, &angularA, &linearB, &angularB, &error, &cfm, &low, &high } )
 		{
@@ -50,8 +51,8 @@ struct JointGroup::Rows
 		info.cfm = cfm.data();
 		info.m_lowerLimit = low.data();
 		info.m_upperLimit = high.data();
-		info.m_numIterations = 1;
-		info.m_damping = 1;
+		info.m_numIterations = iterations;
+		info.m_damping = btScalar( damping );
 	}
 	static Vector6 rowOf( const std::vector<btScalar>& linear, const std::vector<btScalar>& angular, int row )
 	{
@@ -127,7 +128,7 @@ void JointGroup::addRows( btTypedConstraint& joint, const std::vector<Load>& loa
 {
 	btTypedConstraint::btConstraintInfo1 size;
 	joint.getInfo1( &size );
-	Rows rows( size.m_numConstraintRows, m_h, m_erp );
+	Rows rows( size.m_numConstraintRows, m_h, m_erp, m_iterations, m_damping );
 	joint.getInfo2( &rows.info );
 	const int a = indexOf( &joint.getRigidBodyA() ), b = indexOf( &joint.getRigidBodyB() );
 	for ( int row = 0; row < size.m_numConstraintRows; ++row )
@@ -191,11 +192,15 @@ bool JointGroup::collect( btRigidBody& body, const Joints& joints, const std::ve
 	return true;
 }
 
-bool JointGroup::collectCompliant( btRigidBody& body, const Joints& joints, const std::vector<Compliant>& compliant, double h, double erp )
+bool JointGroup::collectCompliant( btRigidBody& body, const Joints& joints, const std::vector<Compliant>& compliant,
+	const std::vector<unsigned char>& touches, const btContactSolverInfo& info )
 {
-	m_h = h;
-	m_erp = erp;
+	m_h = double( info.m_timeStep );
+	m_erp = double( info.m_erp );
+	m_iterations = info.m_numIterations;
+	m_damping = double( info.m_damping );
 	m_compliant = &compliant;
+	m_touches = &touches;
 	addBodies( body, joints );
 	if ( m_bodies.size() > kMostJoined )
 	{
@@ -234,16 +239,20 @@ void JointGroup::setMasses()
 	{
 		const btRigidBody& body = *m_bodies[k];
 		const Eigen::Index at = 6 * Eigen::Index( k );
+		m_velocities.segment<6>( at ) = stacked( body.getLinearVelocity(), body.getAngularVelocity() );
+		const std::size_t index = std::size_t( body.getWorldArrayIndex() );
+		const bool isCarried = m_touches && index < m_touches->size() && ( *m_touches )[index] != 0;
+		const btVector3 &moves = body.getLinearFactor(), &turns = body.getAngularFactor();
 		for ( int i = 0; i < 3; ++i )
 		{
-			m_inverse( at + i, at + i ) = double( body.getInvMass() );
+			m_inverse( at + i, at + i ) = double( moves[i] * body.getInvMass() );
 			for ( int j = 0; j < 3; ++j )
 			{
-				m_inverse( at + 3 + i, at + 3 + j ) = double( body.getInvInertiaTensorWorld()[i][j] );
+				m_inverse( at + 3 + i, at + 3 + j ) = double( turns[i] * body.getInvInertiaTensorWorld()[i][j] * turns[j] );
 			}
 		}
-		m_velocities.segment<6>( at ) = stacked( body.getLinearVelocity(), body.getAngularVelocity() ) +
-			m_h * ( m_inverse.block<6, 6>( at, at ) * stacked( body.getTotalForce(), body.getTotalTorque() ) );
+		m_velocities.segment<6>( at ) += ( isCarried ? 0.0 : m_h ) *
+			( m_inverse.block<6, 6>( at, at ) * stacked( body.getTotalForce(), body.getTotalTorque() ) );
 	}
 	const std::vector<Compliant> none;
 	for ( const Compliant& each : m_compliant ? *m_compliant : none )
@@ -279,8 +288,8 @@ void JointGroup::finish()
 	m_velocities += moved * factors.solve( m_targets - m_rows * m_velocities );
 }
 
-// ( J M^-1 J^T + C ) p = b - J V for the rows within their limits; a row that would exceed a limit keeps it, and the others are solved
-// again.
+// ( J M^-1 J^T + C ) p = b - J V for the rows within their limits. A row that would exceed a limit keeps it, until the others would move it
+// back.
 void JointGroup::solveWithinLimits()
 {
 	const Eigen::Index count = m_rows.rows();
@@ -291,18 +300,44 @@ void JointGroup::solveWithinLimits()
 	const Eigen::VectorXd missing = m_targets - m_rows * m_velocities;
 	std::vector<Eigen::Index> open( static_cast<std::size_t>( count ) );
 	std::iota( open.begin(), open.end(), Eigen::Index( 0 ) );
-	for ( std::size_t before = open.size() + 1; !open.empty() && open.size() < before; )
+	for ( int round = 0; round < kJointRounds && !open.empty(); ++round )
 	{
-		before = open.size();
+		const Eigen::Index size = Eigen::Index( open.size() );
 		const Eigen::VectorXd left = missing - gram * m_jointImpulses;
-		const Eigen::VectorXd wanted = m_jointImpulses( open ) + gram( open, open ).ldlt().solve( left( open ) );
-		m_jointImpulses( open ) = wanted.cwiseMax( m_low( open ) ).cwiseMin( m_high( open ) );
-		std::vector<Eigen::Index> within;
-		for ( std::size_t k = 0; k < open.size(); ++k )
+		Eigen::MatrixXd part( size, size );
+		Eigen::VectorXd right( size );
+		for ( Eigen::Index i = 0; i < size; ++i )
 		{
-			wanted[Eigen::Index( k )] == m_jointImpulses[open[k]] ? within.push_back( open[k] ) : void();
+			right[i] = left[open[std::size_t( i )]];
+			for ( Eigen::Index j = 0; j < size; ++j )
+			{
+				part( i, j ) = gram( open[std::size_t( i )], open[std::size_t( j )] );
+			}
 		}
-		open.swap( within );
+		const Eigen::VectorXd change = part.ldlt().solve( right );
+		bool isWithin = true;
+		for ( Eigen::Index i = 0; i < size; ++i )
+		{
+			const Eigen::Index row = open[std::size_t( i )];
+			const double wanted = m_jointImpulses[row] + change[i];
+			m_jointImpulses[row] = std::clamp( wanted, m_low[row], m_high[row] );
+			isWithin = isWithin && m_jointImpulses[row] == wanted;
+		}
+		const Eigen::VectorXd residual = missing - gram * m_jointImpulses;
+		const auto isOpen = [&]( Eigen::Index row ) {
+			return !( m_jointImpulses[row] <= m_low[row] && residual[row] <= 0.0 ) &&
+				!( m_jointImpulses[row] >= m_high[row] && residual[row] >= 0.0 );
+		};
+		const std::size_t before = open.size();
+		open.clear();
+		for ( Eigen::Index row = 0; row < count; ++row )
+		{
+			isOpen( row ) ? open.push_back( row ) : void();
+		}
+		if ( isWithin && open.size() == before )
+		{
+			return;
+		}
 	}
 }
 

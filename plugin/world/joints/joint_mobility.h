@@ -18,6 +18,7 @@
 
 #include <vector>
 
+struct btContactSolverInfo;
 class btRigidBody;
 class btTypedConstraint;
 
@@ -52,8 +53,10 @@ public:
 	/// large.
 	bool collect( btRigidBody& body, const Joints& joints, const std::vector<Load>& loads, double h, double erp );
 	/// The same with the mobility and velocities of some bodies given, and with all rows of the joints: solves for the impulses of this
-	/// substep within the rows' limits. `compliant` must live as long as the group.
-	bool collectCompliant( btRigidBody& body, const Joints& joints, const std::vector<Compliant>& compliant, double h, double erp );
+	/// substep within the rows' limits. Bodies whose flag in `touches`, by their index in the world, is set go on at their velocity, since
+	/// what they touch counts too. `compliant` and `touches` must live as long as the group.
+	bool collectCompliant( btRigidBody& body, const Joints& joints, const std::vector<Compliant>& compliant,
+		const std::vector<unsigned char>& touches, const btContactSolverInfo& info );
 	/// After `collectCompliant`: impulse and angular impulse of the joints on a body, N s, N m s.
 	Vector6 jointImpulseOn( const btRigidBody& body ) const;
 	/// Whether a body is in the group.
@@ -80,7 +83,10 @@ private:
 	void solveWithinLimits();
 
 	double m_h = 0.0, m_erp = 0.0;
+	int m_iterations = 1;                                ///< of Bullet's solver, which some joints divide by
+	double m_damping = 1.0;                              ///< btContactSolverInfo::m_damping
 	const std::vector<Compliant>* m_compliant = nullptr; ///< null: all bodies have the mobility of their masses
+	const std::vector<unsigned char>* m_touches = nullptr;
 	std::vector<btRigidBody*> m_bodies;
 	Eigen::MatrixXd m_rows;          ///< J
 	Eigen::VectorXd m_targets;       ///< b, m/s or rad/s

@@ -309,7 +309,8 @@ void SoftBodySystem::solveImplicit(
 	double spent = 0.0; // s, counted as matching and not as Bullet's solver
 	{
 		Stopwatch watch( spent );
-		implicitSolve().before( { m_awake, attachments, joints, dispatcher, info, m_world.getGravity(), m_inBlocks }, tasks() );
+		implicitSolve().before(
+			{ m_awake, attachments, joints, dispatcher, info, m_world.getGravity(), m_inBlocks, frames.partners( joints ) }, tasks() );
 	}
 	report.matching += spent;
 	report.solve -= spent; // the caller's stopwatch includes it

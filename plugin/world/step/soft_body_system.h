@@ -131,9 +131,10 @@ public:
 	void carryImpulses() { implicitSolve().carryImpulses(); } ///< once they have been reported
 	/// Solves the joints of frames and gives the frames the velocities of their patches, before Bullet's solver.
 	void giveFrames( const btAlignedObjectArray<btTypedConstraint*>& joints, const btContactSolverInfo& info );
-	void readFrames( btScalar h ); ///< passes the joints' changes to the patches' nodes
-	void wakeTouched();            ///< wakes the bodies whose contact proxies Bullet has woken, and puts those of sleeping bodies to sleep
-	void holdBack( btScalar h );   ///< keeps fast nodes from passing through static and kinematic objects
+	/// Passes the joints' changes to the patches' nodes.
+	void readFrames( const btAlignedObjectArray<btTypedConstraint*>& joints, btScalar h );
+	void wakeTouched();          ///< wakes the bodies whose contact proxies Bullet has woken, and puts those of sleeping bodies to sleep
+	void holdBack( btScalar h ); ///< keeps fast nodes from passing through static and kinematic objects
 	void integrate( btScalar h, int substep );
 	void updateActivation( btScalar h );
 	void endStep();
@@ -204,7 +205,7 @@ private:
 	StiffnessPlan planOf( const SoftBody& body, btScalar gameStep, int count ) const;
 	btVector3 gravityOf( const SoftBody& body ) const;  ///< its own or the world's, m/s^2
 	Vec3 ownAcceleration( const SoftBody& body ) const; ///< gravity and the game's force, m/s^2
-	bool isHeld( const SoftBody& body ) const; ///< by an attachment or by joints
+	bool isHeld( const SoftBody& body ) const;          ///< by an attachment or by joints
 	double gravityShareOf( const SoftBody& body, double h ) const;
 	/// Returns false if a number is not finite or a node is faster than kSpeedLimit.
 	bool sweepBox( SoftBody& body, btScalar h ) const;

@@ -341,7 +341,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 	}
 	m_moved.moveBack();
 	bodies.wakeTouched();
-	bodies.readFrames( info.m_timeStep );
+	bodies.readFrames( m_parts.constraints, info.m_timeStep );
 	if ( m_moved.hasRollingFriction() )
 	{
 		m_rolling.apply();
