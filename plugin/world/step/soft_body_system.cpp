@@ -70,9 +70,7 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 		report.implicitBodies += moves( *body ) && stepsImplicitly( *body ) ? 1 : 0;
 		report.rigidBodies += impl.rigidProxy ? 1 : 0;
 		report.quarantined += impl.isHealthy ? 0 : 1;
-		// The step of a sleeping body that chooses by itself is not known.
-		const bool isChoosing = !moves( *body ) && body->material().elasticity == Elasticity::Automatic;
-		report.unreachableStiffness += impl.plan.reachable || isChoosing ? 0 : 1;
+		report.unreachableStiffness += impl.plan.reachable || isReachableAwake( *body, gameStep ) ? 0 : 1;
 	}
 	keepDrawn();
 }
@@ -99,6 +97,14 @@ bool SoftBodySystem::stepsImplicitly( const SoftBody& body ) const
 bool SoftBodySystem::isImplicitRigidPiece( const SoftBody& body ) const
 {
 	return body.material().elasticity != Elasticity::Explicit && body.impl().body->isInelastic();
+}
+
+/// Of a sleeping body, which takes one substep: whether its stiffness is in reach of those that it takes awake, or of the step that it
+/// chooses.
+bool SoftBodySystem::isReachableAwake( const SoftBody& body, btScalar gameStep ) const
+{
+	return !moves( body ) &&
+		( body.material().elasticity == Elasticity::Automatic || planOf( body, gameStep, mostSubsteps( gameStep ) ).reachable );
 }
 
 StiffnessPlan SoftBodySystem::planOf( const SoftBody& body, btScalar gameStep, int count ) const

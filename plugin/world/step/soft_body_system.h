@@ -202,6 +202,7 @@ private:
 	bool stepsImplicitly( const SoftBody& body ) const;
 	/// Whether the body has nothing elastic and may step implicitly: it needs no substeps.
 	bool isImplicitRigidPiece( const SoftBody& body ) const;
+	bool isReachableAwake( const SoftBody& body, btScalar gameStep ) const;
 	StiffnessPlan planOf( const SoftBody& body, btScalar gameStep, int count ) const;
 	btVector3 gravityOf( const SoftBody& body ) const;  ///< its own or the world's, m/s^2
 	Vec3 ownAcceleration( const SoftBody& body ) const; ///< gravity and the game's force, m/s^2

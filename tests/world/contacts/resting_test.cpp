@@ -224,6 +224,24 @@ TEST( Resting, LongStepsWithOneSubstepAreReportedAndStayAboveThePlane )
 	EXPECT_GT( cube->stiffnessPlan().substepsNeeded, 1 );
 }
 
+// Asleep a body takes one substep, and was reported as softer than its modulus.
+TEST( Resting, SleepingBodiesAreNotOutOfReach )
+{
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Automatic } )
+	{
+		TestWorld t;
+		t.addFloor();
+		Material material = stiff( 2e5f );
+		material.elasticity = elasticity;
+		SoftBody* const cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.31 ), 0 ), material );
+		t.run( 10 );
+		EXPECT_EQ( t.world.stepReport().unreachableStiffness, 0 );
+		t.run( 500 );
+		ASSERT_EQ( cube->getActivationState(), ISLAND_SLEEPING );
+		EXPECT_EQ( t.world.stepReport().unreachableStiffness, 0 );
+	}
+}
+
 // All contacts of a cube of 1e8 Pa that fell flat by .21 m released in a pass that was taken for the last: the cube was crushed between the
 // floor and itself, and rose by 9 m. It depended on how far above the floor the last step before the impact ended.
 TEST( Resting, StiffCubesThatFallFlatAreNotThrownUp )
