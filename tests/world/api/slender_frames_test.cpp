@@ -139,7 +139,7 @@ TEST( SlenderFrames, ACubeOnAHingeKeepsItsEnergy )
 	SoftBody* const cube = scene.addSoft( test::boxTemplate( { 0.6f, 0.6f, 0.6f }, 0.15f ), at( btScalar( 0.3 ), 5, 0 ), Material() );
 	cube->setActivationState( DISABLE_DEACTIVATION );
 	const btVector3 pin( 0, 5, 0 ), axis( 0, 0, 1 );
-	btRigidBody& frame = *scene.world.addFrame( *cube, pin, btScalar( 0.25 ) ).value;
+	btRigidBody& frame = *scene.world.addFrame( *cube, pin, btScalar( 0.185 ) ).value;
 	btHingeConstraint hinge( frame, frame.getWorldTransform().invXform( pin ), frame.getWorldTransform().getBasis().transpose() * axis );
 	scene.world.addConstraint( &hinge );
 	btScalar fastest = 0;

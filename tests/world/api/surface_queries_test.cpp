@@ -313,6 +313,26 @@ TEST( SurfaceQueries, ContactTestsGiveTheDepthOfWhatIsWiderThanAFace )
 	}
 }
 
+// A ball below the cube is behind the planes of its sides, whose lower edges it touches: its depth was the distance from those planes to
+// its far side.
+TEST( SurfaceQueries, ContactTestsGiveTheDepthOfABallAtAFaceOrAnEdge )
+{
+	TestWorld t;
+	const SoftBody* const soft = t.addSoft( test::boxTemplate( { 0.4f, 0.4f, 0.4f }, 0.4f / 6 ), at( 0, 0, 0 ) );
+	btSphereShape ball( btScalar( 0.3 ) );
+	btCollisionObject probe;
+	probe.setCollisionShape( &ball );
+	for ( const auto& [where, depth] : { std::pair{ btVector3( 0, -0.4f, 0 ), 0.1 }, { btVector3( 0.05f, -0.4f, 0.03f ), 0.1 },
+			  { btVector3( 0.35f, 0.35f, 0 ), 0.3 - 0.15 * std::sqrt( 2.0 ) } } )
+	{
+		probe.setWorldTransform( btTransform( btQuaternion::getIdentity(), where ) );
+		Contacts found( *soft );
+		t.world.contactPairTest( const_cast<SoftBody*>( soft ), &probe, found );
+		EXPECT_GT( found.count, 0 );
+		EXPECT_NEAR( found.deepest, -depth, 3e-3 );
+	}
+}
+
 // A rod that pierces one triangle is touched from beside by it alone.
 TEST( SurfaceQueries, ContactTestsSeeARodInTheMiddleOfAFace )
 {
