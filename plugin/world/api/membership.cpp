@@ -65,7 +65,7 @@ bool SoftBodySystem::remove( SoftBody& body )
 	{
 		impl.self->contacts.reset();
 	}
-	impl.isWorldOwned ? stopIgnoring( body ) : void(); // the world deletes it, and the game has not asked for it
+	impl.isWorldOwned ? stopIgnoring( body ) : void(); // the game has not made these entries, and would not remove them
 	ContactProxyPool::detach( body );
 	impl.system = nullptr;
 	impl.block = -1;

@@ -123,15 +123,15 @@ void BlockSolve::forget( const btCollisionObject& object )
 	std::erase_if( m_outside, [&]( const OutsideImpulse& outside ) { return outside.object == &object; } );
 }
 
-IslandBlock& BlockSolve::alone( SoftBody& body, TaskRunner* runner )
+IslandBlock& BlockSolve::responseBlock( SoftBody& body, TaskRunner* runner )
 {
-	m_alone.clear();
-	SoftPart& part = m_alone.soft.emplace_back();
+	m_responseBlock.clear();
+	SoftPart& part = m_responseBlock.soft.emplace_back();
 	part.owner = &body;
 	part.motion = body.impl().body->implicit();
 	part.velocityBefore = &body.impl().body->velocityBefore();
-	m_alone.beginResponses( runner );
-	return m_alone;
+	m_responseBlock.beginResponses( runner );
+	return m_responseBlock;
 }
 
 // Makes one block per island with a deformable body. Bodies that step explicitly take part with their masses: their elastic forces are

@@ -45,7 +45,7 @@ public:
 	void carryImpulses();
 	void forget( const btCollisionObject& object );
 	/// A block of an implicit body alone, without its contacts, ready to respond to impulses; until the next call.
-	IslandBlock& alone( SoftBody& body, TaskRunner* runner );
+	IslandBlock& responseBlock( SoftBody& body, TaskRunner* runner );
 
 	/// The data that one substep passes to the next.
 	const std::vector<OutsideImpulse>& carried() const { return m_outside; }
@@ -67,7 +67,7 @@ private:
 
 	std::deque<IslandBlock> m_blocks; ///< grows only
 	std::vector<int> m_tagOf;         ///< island tag of each block
-	IslandBlock m_alone;
+	IslandBlock m_responseBlock;
 	BlockReach m_reach;
 	BlockContacts m_contacts;
 	MovedObjects m_moved;

@@ -305,17 +305,20 @@ bool IslandBlock::leavesApproach()
 	m_partErrors.assign( soft.size(), PartError{} );
 	for ( const BlockContact& contact : contacts )
 	{
+		double left = 0.0;
+		if ( !contact.isActive )
+		{
+			const double along = contact.normal.dot( relativeVelocity( contact, m_next.data() ) );
+			left = nodeMass( *this, contact ) * std::max( 0.0, contact.target - along - double( kGradientSpeed ) );
+		}
 		for ( const ContactSide& side : contact.side )
 		{
-			if ( side.soft < 0 || contact.isAttachment() )
+			if ( side.soft >= 0 && !contact.isAttachment() )
 			{
-				continue;
+				PartError& part = m_partErrors[std::size_t( side.soft )];
+				part.limit += std::abs( contact.normalImpulse );
+				part.left += left;
 			}
-			PartError& part = m_partErrors[std::size_t( side.soft )];
-			const double node = nodeMass( *this, contact ), along = contact.normal.dot( relativeVelocity( contact, m_next.data() ) );
-			const double missing = contact.isActive ? 0.0 : std::max( 0.0, contact.target - along - double( kGradientSpeed ) );
-			part.limit += std::abs( contact.normalImpulse );
-			part.left += node * missing;
 		}
 	}
 	return std::any_of(

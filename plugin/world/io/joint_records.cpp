@@ -18,7 +18,7 @@ void archive( Archive& archive, Frame::Node& part )
 void WorldSnapshot::FrameRecord::archive( Archive& archive )
 {
 	archive( rigid, body, frame.radius, frame.middle, frame.patch, frame.at, frame.rotation, frame.mean, frame.mass, frame.inertia,
-		frame.force, frame.unseen, frame.mobility, frame.given );
+		frame.force, frame.unseen, frame.mobility );
 }
 
 void WorldSnapshot::collectFrames()
@@ -52,8 +52,7 @@ void WorldSnapshot::checkFrames( Archive& archive )
 			"A frame has nodes that are not there." );
 		archive.require( frame.middle.allFinite() && frame.at.allFinite() && frame.rotation.coeffs().allFinite() &&
 				frame.mean.allFinite() && frame.inertia.allFinite() && frame.force.allFinite() && frame.unseen.allFinite() &&
-				frame.mobility.allFinite() && frame.given.allFinite() && frame.mass > 0.0 && std::isfinite( frame.mass ) &&
-				frame.radius >= 0.0,
+				frame.mobility.allFinite() && frame.mass > 0.0 && std::isfinite( frame.mass ) && frame.radius >= 0.0,
 			"A number of a frame is not valid." );
 		rigid.push_back( record.rigid );
 	}

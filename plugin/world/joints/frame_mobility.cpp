@@ -109,7 +109,7 @@ void Frames::measureMobility( SoftBody& body, const Response& response, TaskRunn
 {
 	std::vector<Frame*> frames;
 	forFramesOf( body, [&frames]( Frame& frame ) { frames.push_back( &frame ); } );
-	if ( body.impl().isImplicit && !frames.empty() )
+	if ( body.impl().isImplicit )
 	{
 		measureResponses( frames, response, runner );
 	}
@@ -119,7 +119,6 @@ void Frames::measureMobility( SoftBody& body, const Response& response, TaskRunn
 		frame->mobility = 0.5 * ( mobility + mobility.transpose() );
 		// The masses of several frames of an explicit body are their own; an implicit body's frames move one another.
 		setMobility( *frame, body.impl().isImplicit ? int( frames.size() ) : 1 );
-		frame->velocity = velocityOfPatch( *frame );
 		frame->isSolved = true;
 	}
 }
@@ -144,16 +143,17 @@ std::vector<JointGroup::Compliant> Frames::coupledPatches( double h ) const
 		const Eigen::Index size = 6 * Eigen::Index( frames.size() );
 		patches.mobility = Eigen::MatrixXd::Zero( size, size );
 		patches.velocities.resize( size );
-		Eigen::VectorXd known( size ); // what the rows of Bullet's joints do not say, less what acts on the patches already, N and N m
+		Eigen::VectorXd known( size ); // beyond the solved rows, less what acts on the patches already, N and N m
 		for ( std::size_t a = 0; a < frames.size(); ++a )
 		{
 			const Eigen::Index at = 6 * Eigen::Index( a );
 			patches.bodies.push_back( frames[a]->rigid.get() );
-			patches.velocities.segment<6>( at ) = frames[a]->velocity;
+			patches.velocities.segment<6>( at ) = velocityOfPatch( *frames[a] );
 			known.segment<6>( at ) = frames[a]->unseen - frames[a]->force;
 			for ( std::size_t b = 0; b < frames.size(); ++b )
 			{
-				patches.mobility.block<6, 6>( at, 6 * Eigen::Index( b ) ) = mobilityBetween( *frames[a], *frames[b] );
+				patches.mobility.block<6, 6>( at, 6 * Eigen::Index( b ) ) = a == b ? frames[a]->mobility
+																				   : mobilityBetween( *frames[a], *frames[b] );
 			}
 		}
 		patches.mobility = ( 0.5 * ( patches.mobility + patches.mobility.transpose() ) ).eval();
@@ -194,7 +194,7 @@ void Frames::solve(
 	}
 }
 
-void Frames::refineJoints( const btAlignedObjectArray<btTypedConstraint*>& joints, const btContactSolverInfo& info )
+void Frames::raiseIterations( const btAlignedObjectArray<btTypedConstraint*>& joints, const btContactSolverInfo& info )
 {
 	const auto isSolved = [this]( const btRigidBody& body ) {
 		const Frame* const frame = find( body );
@@ -206,7 +206,7 @@ void Frames::refineJoints( const btAlignedObjectArray<btTypedConstraint*>& joint
 		if ( joint.getOverrideNumSolverIterations() < 0 && ( isSolved( joint.getRigidBodyA() ) || isSolved( joint.getRigidBodyB() ) ) )
 		{
 			joint.setOverrideNumSolverIterations( std::max( kFrameIterations, info.m_numIterations ) );
-			m_refined.push_back( &joint );
+			m_raised.push_back( &joint );
 		}
 	}
 }
@@ -234,14 +234,14 @@ void Frames::hold( const SoftBody& body )
 
 void Frames::restoreIterations( const btAlignedObjectArray<btTypedConstraint*>& joints )
 {
-	for ( btTypedConstraint* const joint : m_refined )
+	for ( btTypedConstraint* const joint : m_raised )
 	{
 		if ( joints.findLinearSearch( joint ) < joints.size() )
 		{
 			joint->setOverrideNumSolverIterations( -1 ); // Bullet's default: as many as the world's
 		}
 	}
-	m_refined.clear();
+	m_raised.clear();
 }
 
 void Frames::begin( const btAlignedObjectArray<btTypedConstraint*>& joints )

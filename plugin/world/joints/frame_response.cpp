@@ -86,7 +86,7 @@ double energyOf( const NodeState& nodes, const float* velocity )
 	return sum;
 }
 
-/// Leaves of velocities what is no rigid motion; nothing of rounding.
+/// Removes the rigid motions of the free parts from velocities, and sets them to zero where only rounding is left.
 void removeRigid( const ImplicitMotion& motion, const NodeState& nodes, const float* noImpulse, AlignedArray<float>& velocity )
 {
 	const double before = energyOf( nodes, velocity.data() );

@@ -52,11 +52,15 @@ void SoftBodySystem::giveFrames( const btAlignedObjectArray<btTypedConstraint*>&
 	frames.begin( joints );
 	for ( SoftBody* body : m_bodies )
 	{
+		if ( !frames.has( *body ) )
+		{
+			continue;
+		}
 		if ( moves( *body ) && isInPass( *body ) )
 		{
-			IslandBlock* const alone = frames.has( *body ) && body->impl().isImplicit ? &implicitSolve().alone( *body, tasks() ) : nullptr;
+			IslandBlock* const block = body->impl().isImplicit ? &implicitSolve().responseBlock( *body, tasks() ) : nullptr;
 			frames.measureMobility(
-				*body, [alone]( const float* impulse, float* velocity ) { alone->respond( impulse, velocity ); }, tasks() );
+				*body, [block]( const float* impulse, float* velocity ) { block->respond( impulse, velocity ); }, tasks() );
 		}
 		else if ( body->isStaticOrKinematicObject() || !body->isHealthy() )
 		{
@@ -81,7 +85,7 @@ void SoftBodySystem::giveFrames( const btAlignedObjectArray<btTypedConstraint*>&
 		}
 	} );
 	frames.solve( joints, touches, info );
-	frames.refineJoints( joints, info );
+	frames.raiseIterations( joints, info );
 	frames.give();
 }
 

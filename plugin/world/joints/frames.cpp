@@ -183,7 +183,6 @@ void Frame::copyState( const Frame& from )
 	force = from.force;
 	unseen = from.unseen;
 	mobility = from.mobility;
-	given = from.given;
 }
 
 void Frames::restore(

@@ -62,7 +62,6 @@ struct Frame
 	Vector6 force = Vector6::Zero();                   ///< smoothed: of joints on the patch about the origin, N and N m
 	std::vector<float> response;                       ///< A^-1 B, six vectors, of an implicit body
 	Matrix6 mobility = Matrix6::Zero();                ///< W
-	Vector6 velocity = Vector6::Zero();                ///< of the patch, before the joints of a pass
 	Vector6 impulse = Vector6::Zero();                 ///< of the joints in this pass as expected, N s and N m s
 	Vector6 unseen = Vector6::Zero();                  ///< learnt: of what Bullet's solver finds beyond the rows of its joints, N and N m
 	Vector6 given = Vector6::Zero();                   ///< the velocity that Bullet's solver got
@@ -99,8 +98,8 @@ public:
 	void restoreMobilities();
 
 	// One pass, for the frames of one body.
-	void place( const SoftBody& body );                                   ///< where its patch is
-	void press( SoftBody& body, bool isOn );                              ///< adds the learnt forces to the nodes', or takes them out again
+	void place( const SoftBody& body );      ///< where its patch is
+	void press( SoftBody& body, bool isOn ); ///< adds the forces of the joints to the nodes', or takes them out again
 	void begin( const btAlignedObjectArray<btTypedConstraint*>& joints ); ///< of a pass
 	/// Velocities of an implicit body's nodes by impulses on them, as arrays of three components; `velocity` is the initial guess.
 	using Response = std::function<void( const float* impulse, float* velocity )>;
@@ -113,7 +112,7 @@ public:
 	void give(); ///< to Bullet's solver: the velocities of the measured frames
 	/// Lets Bullet's solver take more iterations for the joints of measured frames, where the game has set none: a frame's rigid body is
 	/// light, and what the joints lack in impulse moves the whole patch.
-	void refineJoints( const btAlignedObjectArray<btTypedConstraint*>& joints, const btContactSolverInfo& info );
+	void raiseIterations( const btAlignedObjectArray<btTypedConstraint*>& joints, const btContactSolverInfo& info );
 	void restoreIterations( const btAlignedObjectArray<btTypedConstraint*>& joints );
 	void after( SoftBody& body, double h );
 	void hold( const SoftBody& body ); ///< the same for a body that is static, kinematic or in quarantine: its frames cannot be moved
@@ -142,7 +141,7 @@ private:
 
 	std::vector<Frame> m_frames; ///< in the order in which they were made
 	std::vector<const btCollisionObject*> m_partners;
-	std::vector<btTypedConstraint*> m_refined; ///< joints with more iterations in this pass
+	std::vector<btTypedConstraint*> m_raised; ///< joints with more iterations in this pass
 };
 
 } // namespace pliant

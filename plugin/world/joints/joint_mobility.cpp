@@ -101,12 +101,12 @@ void JointGroup::addBodies( btRigidBody& body, const Joints& joints )
 				m_bodies.push_back( other );
 			}
 		}
-		addBodiesWith( *m_bodies[next] );
+		addCoupledFrames( *m_bodies[next] );
 	}
 }
 
 /// Adds all frames of the soft body of one of them: what moves one moves the others.
-void JointGroup::addBodiesWith( const btRigidBody& body )
+void JointGroup::addCoupledFrames( const btRigidBody& body )
 {
 	if ( !m_compliant )
 	{
@@ -181,13 +181,10 @@ bool JointGroup::collect( btRigidBody& body, const Joints& joints, const std::ve
 {
 	m_h = h;
 	m_erp = erp;
-	addBodies( body, joints );
-	if ( m_bodies.size() > kMostJoined )
+	if ( !gather( body, joints, loads ) )
 	{
 		return false;
 	}
-	addAllRows( joints, loads );
-	setMasses();
 	finish();
 	return true;
 }
@@ -201,24 +198,24 @@ bool JointGroup::collectCompliant( btRigidBody& body, const Joints& joints, cons
 	m_damping = double( info.m_damping );
 	m_compliant = &compliant;
 	m_touches = &touches;
+	if ( !gather( body, joints, {} ) )
+	{
+		return false;
+	}
+	solveWithinLimits();
+	return true;
+}
+
+/// Sets bodies, rows and masses. Returns false for a group that is too large.
+bool JointGroup::gather( btRigidBody& body, const Joints& joints, const std::vector<Load>& loads )
+{
 	addBodies( body, joints );
 	if ( m_bodies.size() > kMostJoined )
 	{
 		return false;
 	}
-	addAllRows( joints, {} );
-	setMasses();
-	solveWithinLimits();
-	return true;
-}
-
-void JointGroup::addAllRows( const Joints& joints, const std::vector<Load>& loads )
-{
 	m_rows.resize( 0, 6 * Eigen::Index( m_bodies.size() ) );
-	for ( Eigen::VectorXd* const array : { &m_targets, &m_softness, &m_low, &m_high } )
-	{
-		array->resize( 0 );
-	}
+	m_targets = m_softness = m_low = m_high = Eigen::VectorXd();
 	m_jointOfRow.clear();
 	for ( int k = 0; k < joints.size(); ++k )
 	{
@@ -227,6 +224,8 @@ void JointGroup::addAllRows( const Joints& joints, const std::vector<Load>& load
 			addRows( *joints[k], loads );
 		}
 	}
+	setMasses();
+	return true;
 }
 
 /// Sets M^-1 and V + h M^-1 F.
@@ -241,7 +240,7 @@ void JointGroup::setMasses()
 		const Eigen::Index at = 6 * Eigen::Index( k );
 		m_velocities.segment<6>( at ) = stacked( body.getLinearVelocity(), body.getAngularVelocity() );
 		const std::size_t index = std::size_t( body.getWorldArrayIndex() );
-		const bool isCarried = m_touches && index < m_touches->size() && ( *m_touches )[index] != 0;
+		const bool isTouching = m_touches && index < m_touches->size() && ( *m_touches )[index] != 0;
 		const btVector3 &moves = body.getLinearFactor(), &turns = body.getAngularFactor();
 		for ( int i = 0; i < 3; ++i )
 		{
@@ -251,7 +250,7 @@ void JointGroup::setMasses()
 				m_inverse( at + 3 + i, at + 3 + j ) = double( turns[i] * body.getInvInertiaTensorWorld()[i][j] * turns[j] );
 			}
 		}
-		m_velocities.segment<6>( at ) += ( isCarried ? 0.0 : m_h ) *
+		m_velocities.segment<6>( at ) += ( isTouching ? 0.0 : m_h ) *
 			( m_inverse.block<6, 6>( at, at ) * stacked( body.getTotalForce(), body.getTotalTorque() ) );
 	}
 	const std::vector<Compliant> none;
@@ -320,7 +319,7 @@ void JointGroup::solveWithinLimits()
 		{
 			const Eigen::Index row = open[std::size_t( i )];
 			const double wanted = m_jointImpulses[row] + change[i];
-			m_jointImpulses[row] = std::clamp( wanted, m_low[row], m_high[row] );
+			m_jointImpulses[row] = std::min( std::max( wanted, m_low[row] ), m_high[row] ); // a motor of a negative impulse has no range
 			isWithin = isWithin && m_jointImpulses[row] == wanted;
 		}
 		const Eigen::VectorXd residual = missing - gram * m_jointImpulses;

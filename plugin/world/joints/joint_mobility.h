@@ -75,8 +75,8 @@ private:
 	struct Rows;
 	int indexOf( const btRigidBody* body ) const;
 	void addBodies( btRigidBody& body, const Joints& joints );
-	void addBodiesWith( const btRigidBody& body );
-	void addAllRows( const Joints& joints, const std::vector<Load>& loads );
+	void addCoupledFrames( const btRigidBody& body );
+	bool gather( btRigidBody& body, const Joints& joints, const std::vector<Load>& loads );
 	void addRows( btTypedConstraint& joint, const std::vector<Load>& loads );
 	void setMasses();
 	void finish();

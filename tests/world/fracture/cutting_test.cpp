@@ -70,7 +70,8 @@ TEST( Cutting, PiecesIgnoreWhatTheirBodyIgnores )
 		SoftBody* const piece = t.world.softBody( 0 ) == bar ? t.world.softBody( 1 ) : t.world.softBody( 0 );
 		EXPECT_LT( piece->massCentre().y(), -2 );
 		EXPECT_FALSE( piece->checkCollideWith( floor ) && floor->checkCollideWith( piece ) );
-		t.world.removeSoftBody( piece ); // deletes it
+		t.world.removeSoftBody( piece ); // gives it to the test
+		const std::unique_ptr<SoftBody> holder( piece );
 		EXPECT_EQ( floor->getNumObjectsWithoutCollision(), floorIgnores ? 1 : 0 );
 	}
 }
