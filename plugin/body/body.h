@@ -29,6 +29,7 @@ class ImplicitMotion;
 class TouchedNodes;
 class TaskRunner;
 struct TemplateCache;
+class CellPositions;
 struct Breaking;
 struct BodyPiece;
 struct BreakReport;
@@ -154,6 +155,10 @@ public:
 	double weakestBreakStrain() const;
 	/// Finds overstretched links; call after `integrate`. They are removed in the next `breakApart`.
 	void testLinks( float h );
+	/// Of an implicit body that can break, before `integrate`: links are tested without the stretch by which `x += h v` rotates it.
+	void noteTurns( float h );
+	/// The next testLinks tests the nodes displaced by `peak`, m, component after component. Only for bodies that can break.
+	void noteImpact( const float* peak );
 	/// Breaks the given links at any stretch: `links` ascending, without duplicates, all of them existing. Also for bodies that do not
 	/// break by themselves. Returns the number of links not yet marked as broken.
 	int breakLinks( const std::vector<CellLink>& links );
@@ -323,6 +328,8 @@ private:
 	void makeMeasures( bool isOnePart );
 	void refineBeforeBreaking();
 	void noteCoarseOverloads();
+	CellPositions testedPositions();
+	void findBroken( float h, bool isCool );
 	std::vector<CellLink> brokenLinks() const;
 	bool isSmall( const std::vector<std::uint32_t>& cells ) const { return int( cells.size() ) <= m_fracture.smallCells; }
 	bool makesRigid() const;

@@ -151,13 +151,6 @@ void Body::refineBeforeBreaking()
 
 namespace {
 
-/// Time for a crack to cross a cell, s: it grows by one or two cells with each test of the body.
-float cellCrackTime( const Lattice& lattice, const Material& material )
-{
-	const float waves = std::sqrt( material.youngsModulus / material.density );
-	return material.stiffness == Stiffness::YoungsModulus ? lattice.cellSize / ( kCrackSpeed * waves ) : 0.0f;
-}
-
 /// Centre and normal of a set of points: the mean, and the direction in which they spread least.
 void fitPlane( const std::vector<Vec3d>& points, Vec3d& middle, Vec3d& normal )
 {
@@ -177,85 +170,6 @@ void fitPlane( const std::vector<Vec3d>& points, Vec3d& middle, Vec3d& normal )
 }
 
 } // namespace
-
-// A crack between shards may start under a coarse node: it is split before the links break.
-void Body::noteCoarseOverloads()
-{
-	const Octree& octree = m_levels->octree();
-	const std::vector<std::uint32_t>& above = m_levels->cut().node;
-	std::vector<std::uint32_t> coarse;
-	for ( std::uint32_t i = 0; i < std::uint32_t( above.size() ); ++i )
-	{
-		if ( octree.cellCount[above[i]] > 1 )
-		{
-			coarse.push_back( i );
-		}
-	}
-	std::vector<float> gradients( coarse.size() * 9 );
-	nodeDeformationsOf( coarse, gradients.data() );
-	for ( std::size_t k = 0; k < coarse.size(); ++k )
-	{
-		const Eigen::Matrix3f gradient = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( gradients.data() + 9 * k );
-		const std::uint32_t node = above[coarse[k]], middle = octree.cellStart[node] + std::uint32_t( octree.cellCount[node] ) / 2;
-		m_breaking->shards->noteOverload( *m_lattice, m_breaking->limits, octree.cells[middle], gradient.cast<double>() );
-	}
-}
-
-void Body::testLinks( float h )
-{
-	if ( !m_breaking )
-	{
-		return;
-	}
-	Breaking& b = *m_breaking;
-	b.coolDown -= h;
-	const bool isCool = b.coolDown <= 0.0f;
-	if ( !b.broken.empty() || ( !isCool && !b.planes ) )
-	{
-		return;
-	}
-	const auto positionsOnLevels = [&] {
-		return CellPositions( m_nodes, m_levels->cut(), b.refinementStates.update( *m_lattice, m_levels->cut(), m_levels->version() ) );
-	};
-	bool hasBegun = false;
-	if ( b.shards )
-	{
-		b.sinceTest += h;
-		const float waves = std::sqrt( m_material.youngsModulus / m_material.density );
-		if ( b.shards->canBreak() && b.sinceTest * waves > kTestDistance * float( b.shards->law().size ) )
-		{
-			b.sinceTest = 0.0f;
-			b.shards->findOverloads( *m_lattice, b.limits, m_levels ? positionsOnLevels() : CellPositions( m_nodes ) );
-			m_levels ? noteCoarseOverloads() : void();
-			const bool isOverloaded = b.shards->run(
-				*m_lattice, b.limits, [this] { return cellPositions(); }, b.broken );
-			b.coolDown = isOverloaded ? kRetryFraction * b.settings.coolDown : b.coolDown; // a crack sets all of it, below
-		}
-	}
-	else if ( b.planes )
-	{
-		b.sinceTest += h;
-		if ( b.planes->count() > 0 && b.sinceTest + 0.5f * h < cellCrackTime( *m_lattice, m_material ) )
-		{
-			return;
-		}
-		const CellPositions positions = m_levels ? positionsOnLevels() : CellPositions( m_nodes );
-		hasBegun = b.planes->find( *m_lattice, b.limits, positions, b.sinceTest, isCool, b.broken );
-		b.sinceTest = 0.0f;
-	}
-	else if ( m_levels )
-	{
-		findOverstretched( b.limits, positionsOnLevels(), b.broken );
-	}
-	else
-	{
-		findOverstretched( b.limits, m_nodes, b.broken );
-	}
-	if ( hasBegun || ( !b.planes && !b.broken.empty() ) )
-	{
-		b.coolDown = b.settings.coolDown;
-	}
-}
 
 namespace {
 
@@ -360,6 +274,7 @@ BreakReport Body::reportOn( const std::vector<CellLink>& broken ) const
 			middles.push_back( ( m_nodes.x.get( a ) + 0.5f * apart ).cast<double>() );
 		}
 	}
+	report.energy = m_breaking ? std::max( report.energy, m_breaking->peakEnergy ) : report.energy;
 	if ( !middles.empty() )
 	{
 		report.partingVelocity /= double( middles.size() );

@@ -36,8 +36,15 @@ struct Breaking
 	float sinceTest = 0.0f;                ///< s since planes were last tested
 	float coolDown = 0.0f;                 ///< s until links are tested again, or new cracks may start
 	CellRefinementStates refinementStates; ///< bodies with levels only
-	std::unique_ptr<PlaneCracks> planes;   ///< BreakRule::Plane only
-	std::unique_ptr<ShardCracks> shards;   ///< BreakRule::Shards only
+	/// Of each part, from the nodes' positions to those without the stretch of an implicit step's rotation; empty: none.
+	std::vector<Eigen::Matrix3f> unturned;
+	/// The nodes' displacement to their positions at the peak of an impact that the substep does not resolve, m, component after
+	/// component; empty: none.
+	AlignedArray<float> peak;
+	double peakEnergy = 0.0;             ///< J, of the links broken there
+	Vec3Array untested;                  ///< scratch: the nodes' positions while others are tested
+	std::unique_ptr<PlaneCracks> planes; ///< BreakRule::Plane only
+	std::unique_ptr<ShardCracks> shards; ///< BreakRule::Shards only
 
 	/// Computes limits and planes for the settings, and adapts shards to the material.
 	void prepare( const Lattice& lattice, const Material& material, std::vector<float> toughness );

@@ -11,6 +11,8 @@ bool Body::hasBrokenLinks() const
 	return false;
 }
 
+void Body::noteTurns( float ) {}
+
 Breaking::Breaking() = default; // never called, like the functions below
 
 Breaking::~Breaking() = default;

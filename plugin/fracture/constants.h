@@ -85,6 +85,9 @@ inline constexpr double kOpensAt = 0.1;
 /// directions of cos^4.
 inline constexpr double kLinkEnergyFactor = 5.0;
 
+/// Rotations in an implicit step are left out of the shape that is tested from the stretch on that is this fraction of the breaking one.
+inline constexpr double kTestedTurn = 0.02;
+
 /// Shards are tested again once sound has crossed this fraction of one: the load on a shard does not change sooner.
 inline constexpr float kTestDistance = 0.5f;
 /// Where the material is overloaded but no crack has the energy to run it is tested again after this fraction of Fracture::coolDown.

@@ -17,11 +17,6 @@ constexpr double kLeastInertia = 1e-12;
 /// The same for a body of one node, m^2 per mass: it has no inertia, and nothing that could rotate.
 constexpr double kPointInertia = 1e-12;
 
-Eigen::Vector3d at( const float* v, int padded, int i )
-{
-	return { double( v[i] ), double( v[padded + i] ), double( v[2 * padded + i] ) };
-}
-
 } // namespace
 
 void ImplicitMotion::measurePinned()
@@ -75,6 +70,7 @@ void ImplicitMotion::begin(
 	const float elastic = step.alpha * ( 1.0f + pressed );
 	const float sigma = step.numericalDamping;
 	const float gamma = 0.5f * ( 1.0f + sigma );
+	m_gamma = gamma;
 	m_stiffness = gamma * elastic + step.h * step.damping;
 	m_volume = step.volumeKeeping * gamma * step.alpha / m_stiffness;
 	m_soundSquare = double( step.alpha ) * step.secondMoment;
@@ -205,36 +201,6 @@ float ImplicitMotion::heldResistance( int node ) const
 	return m_nodes->freedom[node] == 0.0f ? diagonal( node ) - m_nodes->mass[node] : m_nodes->mass[node] * gainOf( node );
 }
 
-Matrix6 ImplicitMotion::rigidMass( int part ) const
-{
-	Matrix6 mass = Matrix6::Zero();
-	mass.topLeftCorner<3, 3>() = m_rates.whole( part ).mass * Eigen::Matrix3d::Identity();
-	// A rod has no inertia about its own axis, and nothing that could rotate about it.
-	mass.bottomRightCorner<3, 3>() = m_inertias[std::size_t( part )] + kInertiaFloor * trace( part ) * Eigen::Matrix3d::Identity();
-	return mass;
-}
-
-Vector6 ImplicitMotion::rigidMotion( const Vector6& momentum, int part ) const
-{
-	const Matrix6 mass = rigidMass( part );
-	Vector6 motion;
-	motion.head<3>() = momentum.head<3>() / mass( 0, 0 );
-	motion.tail<3>() = Eigen::Matrix3d( mass.bottomRightCorner<3, 3>() ).inverse() * momentum.tail<3>();
-	return motion;
-}
-
-Vector6 ImplicitMotion::momentum( int part ) const
-{
-	const NodeState& nodes = *m_nodes;
-	Vector6 sum = Vector6::Zero();
-	parts().forNodes( part, nodes.count, [&]( int i ) {
-		const Eigen::Vector3d value = double( nodes.mass[i] ) * nodes.v.get( i ).cast<double>();
-		sum.head<3>() += value;
-		sum.tail<3>() += ( nodes.x.get( i ).cast<double>() - centre( part ) ).cross( value );
-	} );
-	return sum;
-}
-
 void ImplicitMotion::measureArms()
 {
 	const NodeState& nodes = *m_nodes;
@@ -251,7 +217,7 @@ void ImplicitMotion::measureArms()
 
 Eigen::Vector3d ImplicitMotion::arm( int node ) const
 {
-	return at( m_arms.data(), m_nodes->padded, node );
+	return nodeVector( m_arms.data(), m_nodes->padded, node );
 }
 
 // Masses: sum m ( 1, p )( 1, p )^T for each component of v. Elasticity: every region of a full lattice resists the symmetric part S of L
@@ -315,7 +281,7 @@ Vector12 ImplicitMotion::affineSums( const float* r, int part ) const
 		return sums;
 	}
 	parts().forNodes( part, m_nodes->count, [&]( int i ) {
-		const Eigen::Vector3d own = at( r, m_nodes->padded, i ) * double( m_nodes->freedom[i] ), from = arm( i );
+		const Eigen::Vector3d own = nodeVector( r, m_nodes->padded, i ) * double( m_nodes->freedom[i] ), from = arm( i );
 		sums.head<3>() += own;
 		for ( int j = 0; j < 3; ++j )
 		{
@@ -345,34 +311,6 @@ void ImplicitMotion::addAffine( const Vector12& motion, float* z, int part ) con
 	} );
 }
 
-// Q^T b = Q^T m v*, but b contains elastic impulses that cancel in the sum only up to float rounding: v* is more accurate.
-Vector6 ImplicitMotion::missingMomentum( int part ) const
-{
-	return m_freeMomentum[std::size_t( part )] - momentum( part );
-}
-
-void ImplicitMotion::addMotion( const Vector6& motion, int part )
-{
-	NodeState& nodes = *m_nodes;
-	const Eigen::Vector3d shift = motion.head<3>(), turn = motion.tail<3>();
-	parts().forNodes( part, nodes.count, [&]( int i ) {
-		const Eigen::Vector3d position = nodes.x.get( i ).cast<double>() - centre( part );
-		const Eigen::Vector3d velocity = nodes.v.get( i ).cast<double>() + double( nodes.freedom[i] ) * ( shift + turn.cross( position ) );
-		nodes.v.set( i, velocity.cast<float>() );
-	} );
-}
-
-void ImplicitMotion::keepMomentum()
-{
-	for ( int p = 0; p < parts().count(); ++p )
-	{
-		if ( !isHeld( p ) )
-		{
-			addMotion( rigidMotion( missingMomentum( p ), p ), p );
-		}
-	}
-}
-
 void ImplicitMotion::copyVelocities( float* v ) const
 {
 	const int padded = m_nodes->padded;
@@ -388,7 +326,7 @@ void ImplicitMotion::setNodeVelocities( const float* v )
 	{
 		if ( nodes.freedom[i] != 0.0f )
 		{
-			nodes.v.set( i, at( v, nodes.padded, i ).cast<float>() );
+			nodes.v.set( i, nodeVector( v, nodes.padded, i ).cast<float>() );
 		}
 	}
 }

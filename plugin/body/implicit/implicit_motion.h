@@ -30,6 +30,12 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
+/// The vector of a node in an array of three components.
+inline Eigen::Vector3d nodeVector( const float* values, int padded, int node )
+{
+	return { double( values[node] ), double( values[padded + node] ), double( values[2 * padded + node] ) };
+}
+
 struct ImplicitStep
 {
 	float h = 0.0f;
@@ -65,6 +71,7 @@ public:
 	/// The mean of A's three diagonal entries of a node, kg.
 	float diagonal( int node ) const;
 	bool isElastic() const { return m_stiffness > 0.0f; }
+	double gamma() const { return double( m_gamma ); }
 	/// The segments of a body whose nodes are the cells of `lattice`, measured at the start of the substep; null where affine motions of
 	/// the whole do as well: for small, soft and compact bodies, and those in several parts.
 	const Segments* segments( const Lattice& lattice );
@@ -100,6 +107,8 @@ public:
 	Vector6 missingMomentum( int part = 0 ) const;
 	/// Adds a rigid motion to the nodes' velocities.
 	void addMotion( const Vector6& motion, int part = 0 );
+	/// Adds rigid motions of the free parts to `velocity`, m/s, which then has the momentum and spin of `impulse`, N s.
+	void giveMomentum( const float* impulse, float* velocity ) const;
 	/// Of a body without contacts, before x += h v, which takes nodes along tangents: moves those of free parts that rotate as rigid ones
 	/// by the difference to arcs. `h`: s.
 	void bendToArcs( double h );
@@ -131,8 +140,9 @@ private:
 	AlignedArray<float> m_arms;  ///< of the nodes relative to their part's mass centre, m, component by component; 0 where pinned
 	double m_secondMoment = 0.0; ///< of a full region, per axis and mass, m^2
 	float m_stiffness = 0.0f;    ///< G = gamma alpha ( 1 + kappa |m| ) + h c
-	float m_volume = 0.0f;       ///< kappa gamma alpha / G
-	double m_soundSquare = 0.0;  ///< square of the distance that sound travels in the substep, m^2
+	float m_gamma = 1.0f;
+	float m_volume = 0.0f;      ///< kappa gamma alpha / G
+	double m_soundSquare = 0.0; ///< square of the distance that sound travels in the substep, m^2
 	bool m_hasHeldNodes = false;
 	/// The rotation of a free part in a step of h, s, which begins with the angular momentum `spin` and would turn by `turn`, rad.
 	Eigen::Matrix3d turned( const Eigen::Vector3d& spin, const Eigen::Vector3d& turn, double h, int part ) const;

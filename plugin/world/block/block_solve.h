@@ -51,6 +51,8 @@ public:
 	const std::vector<OutsideImpulse>& carried() const { return m_outside; }
 	void carry( std::vector<OutsideImpulse> from ) { m_outside = std::move( from ); }
 
+	int blockCount() const { return int( m_tagOf.size() ); }
+	const IslandBlock& block( int k ) const { return m_blocks[std::size_t( k )]; }
 	int contacts() const { return m_contacts.count(); }
 	const BlockCount& count() const { return m_count; } ///< maximum over all blocks
 

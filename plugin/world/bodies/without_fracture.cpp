@@ -51,6 +51,7 @@ bool SoftBodySystem::release( SoftBody& )
 	return false;
 }
 
+void SoftBodySystem::noteImpacts( double ) {}
 void SoftBodySystem::testLinks( btScalar ) {}
 void SoftBodySystem::advanceFading( btScalar ) {}
 void SoftBodySystem::limitDebris( btScalar ) {}

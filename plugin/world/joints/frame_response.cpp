@@ -33,13 +33,6 @@ Vector6 velocityOf( const Frame& frame, const Eigen::Matrix3d& inverseInertia, c
 	return fit;
 }
 
-/// The vector of a node in an array of three components.
-Vec3d at( const float* values, std::size_t padded, int node )
-{
-	const float* const x = values + node;
-	return Vec3d( double( x[0] ), double( x[padded] ), double( x[2 * padded] ) );
-}
-
 void set( float* values, std::size_t padded, int node, const Vec3d& to )
 {
 	float* const x = values + node;
@@ -48,40 +41,12 @@ void set( float* values, std::size_t padded, int node, const Vec3d& to )
 	x[2 * padded] = float( to.z() );
 }
 
-/// Adds a rigid motion of each free part to velocities so that they have the momentum of the impulses. Both as arrays of three components.
-void keepMomentum( const ImplicitMotion& motion, const NodeState& nodes, const float* impulse, float* velocity )
-{
-	const std::size_t padded = std::size_t( nodes.padded );
-	const ConnectedParts& parts = motion.parts();
-	std::vector<Vector6> missing( std::size_t( parts.count() ), Vector6::Zero() );
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		const int part = parts.partOf( i );
-		const Vec3d own = at( impulse, padded, i ) - double( nodes.mass[i] ) * at( velocity, padded, i );
-		missing[std::size_t( part )].head<3>() += own;
-		missing[std::size_t( part )].tail<3>() += ( nodes.x.get( i ).cast<double>() - motion.centre( part ) ).cross( own );
-	}
-	for ( int part = 0; part < parts.count(); ++part )
-	{
-		missing[std::size_t( part )] = motion.isHeld( part ) ? Vector6( Vector6::Zero() )
-															 : motion.rigidMotion( missing[std::size_t( part )], part );
-	}
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		const int part = parts.partOf( i );
-		const Vector6& rigid = missing[std::size_t( part )];
-		const Vec3d arm = nodes.x.get( i ).cast<double>() - motion.centre( part );
-		const Vec3d change = double( nodes.freedom[i] ) * ( rigid.head<3>() + Vec3d( rigid.tail<3>() ).cross( arm ) );
-		set( velocity, padded, i, at( velocity, padded, i ) + change );
-	}
-}
-
 double energyOf( const NodeState& nodes, const float* velocity )
 {
 	double sum = 0.0;
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		sum += double( nodes.mass[i] ) * at( velocity, std::size_t( nodes.padded ), i ).squaredNorm();
+		sum += double( nodes.mass[i] ) * nodeVector( velocity, nodes.padded, i ).squaredNorm();
 	}
 	return sum;
 }
@@ -90,8 +55,8 @@ double energyOf( const NodeState& nodes, const float* velocity )
 void removeRigid( const ImplicitMotion& motion, const NodeState& nodes, const float* noImpulse, AlignedArray<float>& velocity )
 {
 	const double before = energyOf( nodes, velocity.data() );
-	keepMomentum( motion, nodes, noImpulse, velocity.data() );
-	keepMomentum( motion, nodes, noImpulse, velocity.data() );
+	motion.giveMomentum( noImpulse, velocity.data() );
+	motion.giveMomentum( noImpulse, velocity.data() );
 	if ( energyOf( nodes, velocity.data() ) <= kLeastElastic * before )
 	{
 		std::fill( velocity.begin(), velocity.end(), 0.0f );
@@ -138,7 +103,7 @@ void addResponse( Frame& frame, const Vector6& impulse )
 		Vec3d change = Vec3d::Zero();
 		for ( std::size_t k = 0; k < 6; ++k )
 		{
-			change += impulse[int( k )] * at( frame.response.data() + 3 * padded * k, padded, i );
+			change += impulse[int( k )] * nodeVector( frame.response.data() + 3 * padded * k, nodes.padded, i );
 		}
 		nodes.v.set( i, nodes.v.get( i ) + change.cast<float>() );
 	}
@@ -189,8 +154,8 @@ void measureResponses( const std::vector<Frame*>& frames, const Frames::Response
 		{
 			impulses.push_back( unitImpulse( *frame, k ) );
 			rigid.emplace_back( size );
-			keepMomentum( motion, nodes, impulses.back().data(), rigid.back().data() );
-			keepMomentum( motion, nodes, impulses.back().data(), rigid.back().data() ); // the inertia has a floor
+			motion.giveMomentum( impulses.back().data(), rigid.back().data() );
+			motion.giveMomentum( impulses.back().data(), rigid.back().data() ); // the inertia has a floor
 			elastic.push_back( rigid.back() );
 			response( impulses.back().data(), elastic.back().data() );
 		}
@@ -261,12 +226,12 @@ Matrix6 mobilityBetween( const Frame& frame, const Frame& other )
 		return &frame == &other ? freeMobility( frame ) : Matrix6::Zero();
 	}
 	Matrix6 between;
-	const std::size_t padded = std::size_t( nodesOf( *frame.body ).padded );
+	const int padded = nodesOf( *frame.body ).padded;
 	const Eigen::Matrix3d inverseInertia = frame.inertia.inverse();
 	for ( int k = 0; k < 6; ++k )
 	{
-		const float* const column = other.response.data() + 3 * padded * std::size_t( k );
-		between.col( k ) = velocityOf( frame, inverseInertia, [&]( int node ) { return at( column, padded, node ); } );
+		const float* const column = other.response.data() + std::size_t( 3 * padded * k );
+		between.col( k ) = velocityOf( frame, inverseInertia, [&]( int node ) { return nodeVector( column, padded, node ); } );
 	}
 	return between;
 }

@@ -317,6 +317,7 @@ void SoftBodySystem::solveImplicit(
 		Stopwatch watch( spent );
 		implicitSolve().before(
 			{ m_awake, attachments, joints, dispatcher, info, m_world.getGravity(), m_inBlocks, frames.partners( joints ) }, tasks() );
+		noteImpacts( double( info.m_timeStep ) );
 	}
 	report.matching += spent;
 	report.solve -= spent; // the caller's stopwatch includes it
@@ -343,6 +344,7 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 		{
 			impl.body->bendToArcs( float( h ) );
 		}
+		impl.body->noteTurns( float( h ) );
 		impl.isBroken = impl.body->integrate( float( h ), within ) == BodyHealth::Quarantined;
 		impl.placeSpheres( body, impl.body->motion(), within );
 		impl.skin.nodesMoved();

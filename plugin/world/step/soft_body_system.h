@@ -143,6 +143,7 @@ public:
 	void noteSkinRequest( const SoftBody& requested );
 
 	/// Finds links that are stretched too far, after the nodes have moved. They break at the start of the next substep.
+	void noteImpacts( double h ); ///< on brittle bodies, in the implicit step
 	void testLinks( btScalar h );
 	/// Removes small pieces that have faded. Call between game steps.
 	void removeFaded();
@@ -196,6 +197,12 @@ private:
 	/// The game has made a body dynamic again that was scenery.
 	void leaveScenery( SoftBody& body );
 	void keepDrawn(); ///< keeps the drawing from which SoftBody::setInterpolation blends
+	void strainByImpact( const IslandBlock& block, int part, double h );
+	/// Changes `response`, a first guess, to the velocities of an implicit body that has got impulses on its nodes, N s, without the rigid
+	/// motions of its free parts; returns its energy, J.
+	double respondTo( SoftBody& body, const AlignedArray<float>& impulse, AlignedArray<float>& response );
+	/// Solves an implicit body's velocities accurately for the impulses of its contacts on its nodes, N s. Rigid motions stay.
+	void refineSolution( SoftBody& body, const AlignedArray<float>& impulse );
 	BlockSolve& implicitSolve() { return m_implicit[int( m_pass )]; }
 	/// Returns the number of substeps that the body takes in the game step.
 	int substepsOf( const SoftBody& body ) const;

@@ -1,0 +1,199 @@
+// The strain at the peak of an impact on a brittle body that sound crosses within the substep: docs/design/fracture.md, "Impacts on stiff
+// bodies".
+
+#include "body/breaking.h"
+#include "body/implicit/implicit_motion.h"
+#include "matching/implicit/conjugate_gradients.h"
+#include "world/block/implicit_choice.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
+#include "world/step/soft_body_system.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+/// The load on one body of a block by its contacts.
+struct ImpactLoad
+{
+	AlignedArray<float> impulse;  ///< on the nodes, N s, component after component
+	AlignedArray<float> stopping; ///< the impulse that would stop all approaches within the substep
+	double energy = 0.0;          ///< that its impacts take from the motion of the bodies, J
+	std::vector<int> partners;    ///< indices of the soft parts that hit it
+};
+
+/// Returns the velocity with which a contact meets, without what the substep's forces add, m/s.
+double approachOf( const BlockContact& contact )
+{
+	return contact.isAttachment() ? 0.0 : std::max( 0.0, -contact.normal.dot( contact.velocityBefore ) );
+}
+
+/// Returns the factor to a contact's impulse that stops its approach at once: one that closes a gap within the substep ends it at the
+/// velocity of that, and one that bounces goes on to its rebound. `fastest`: approach of the body's contacts; slow ones support it.
+double stoppingFactor( const BlockContact& contact, double approach, double fastest )
+{
+	return approach > kLeastStopped * fastest ? approach / std::max( approach + contact.target, kLeastStopped * approach ) : 1.0;
+}
+
+void addImpulse( const ContactSide& side, const Vec3d& normal, const Vec3d& impulse, AlignedArray<float>& to )
+{
+	const std::size_t padded = to.size() / 3;
+	for ( int j = 0; j < side.shared.count; ++j )
+	{
+		const Vec3d own = side.shared.rub[j] * impulse + ( side.shared.press[j] - side.shared.rub[j] ) * normal.dot( impulse ) * normal;
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			to[k * padded + std::size_t( side.shared.node[j] )] += float( own[int( k )] );
+		}
+	}
+}
+
+/// Calls visit( contact, side ) for the contacts of a body that press, with its side.
+template <class Visit>
+void forPressing( const IslandBlock& block, int part, const Visit& visit )
+{
+	for ( const BlockContact& contact : block.contacts )
+	{
+		for ( int side = 0; side < 2; ++side )
+		{
+			if ( contact.side[side].soft == part && contact.normalImpulse != 0.0 )
+			{
+				visit( contact, side );
+			}
+		}
+	}
+}
+
+ImpactLoad contactLoadOn( const IslandBlock& block, int part )
+{
+	ImpactLoad load;
+	load.impulse.assign( std::size_t( block.soft[std::size_t( part )].owner->impl().body->nodes().padded ) * 3, 0.0f );
+	load.stopping = load.impulse;
+	double fastest = 0.0;
+	forPressing( block, part, [&]( const BlockContact& contact, int ) { fastest = std::max( fastest, approachOf( contact ) ); } );
+	forPressing( block, part, [&]( const BlockContact& contact, int side ) {
+		const double approach = approachOf( contact ), factor = stoppingFactor( contact, approach, fastest );
+		const Vec3d impulse = ( side == 0 ? 1.0 : -1.0 ) * contact.impulse();
+		addImpulse( contact.side[side], contact.normal, impulse, load.impulse );
+		addImpulse( contact.side[side], contact.normal, factor * impulse, load.stopping );
+		load.energy += 0.5 * factor * contact.normalImpulse * approach;
+		const int partner = contact.side[1 - side].soft;
+		if ( partner >= 0 && std::find( load.partners.begin(), load.partners.end(), partner ) == load.partners.end() )
+		{
+			load.partners.push_back( partner );
+		}
+	} );
+	return load;
+}
+
+/// Whether an impact of this energy could break a body if a single cell took all of it.
+bool couldBreak( const SoftBody& body, double energy )
+{
+	const double d = double( body.impl().bodyTemplate->cellSize() ), strain = body.impl().body->weakestBreakStrain();
+	return energy > 0.0 && energy > 0.5 * double( body.material().youngsModulus ) * strain * strain * d * d * d;
+}
+
+/// The energy of impulses on the nodes of a body whose elasticity is not part of the solution, J.
+double energyOfNodes( const SoftBody& body, const AlignedArray<float>& impulse )
+{
+	const NodeState& nodes = body.impl().body->nodes();
+	double sum = 0.0;
+	for ( std::size_t i = 0; i < impulse.size(); ++i )
+	{
+		const double mass = double( nodes.mass[i % std::size_t( nodes.padded )] ), own = double( impulse[i] );
+		sum += mass > 0.0 ? 0.5 * own * own / mass : 0.0;
+	}
+	return sum;
+}
+
+} // namespace
+
+// An impact lasts as long as sound takes to cross the body a few times. A substep that is longer spreads its impulse p over h: its force is
+// too small by the ratio of the two. As the body is in equilibrium meanwhile, the strain at the peak has the shape of its response to p,
+// w = A^-1 p without rigid motions, and its energy is what the impact has taken from the bodies' motion:
+//
+//   peak displacement = s h w,   s^2 = E / U,   E = sum jn a / 2 over the contacts,   U = sum p w / 2 over the body and those that hit it
+//
+// a: the velocity at which a contact meets. The tolerance of the solution is a fraction of the whole impulse and may strain a stiff body by
+// more than the impact: the velocities that strain it are solved more accurately, for the same impulses.
+void SoftBodySystem::noteImpacts( double h )
+{
+	for ( int k = 0; k < implicitSolve().blockCount(); ++k )
+	{
+		const IslandBlock& block = implicitSolve().block( k );
+		for ( int part = 0; part < int( block.soft.size() ); ++part )
+		{
+			SoftBody& body = *block.soft[std::size_t( part )].owner;
+			if ( body.impl().isImplicit && body.impl().body->breaking() && resolvedFraction( body, h ) == 0.0 )
+			{
+				strainByImpact( block, part, h );
+			}
+		}
+	}
+}
+
+double SoftBodySystem::respondTo( SoftBody& body, const AlignedArray<float>& impulse, AlignedArray<float>& response )
+{
+	IslandBlock& block = implicitSolve().responseBlock( body, tasks() );
+	const ImplicitMotion& motion = *body.impl().body->implicit();
+	const NodeState& nodes = body.impl().body->nodes();
+	AlignedArray<float> rigid( impulse.size() ), load( impulse.size() );
+	const AlignedArray<float> none( impulse.size() );
+	motion.giveMomentum( impulse.data(), rigid.data() );
+	for ( std::size_t i = 0; i < load.size(); ++i )
+	{
+		load[i] = impulse[i] - nodes.mass[i % std::size_t( nodes.padded )] * rigid[i];
+	}
+	motion.giveMomentum( none.data(), response.data() );
+	block.respond( load.data(), response.data() );
+	motion.giveMomentum( none.data(), response.data() );
+	return 0.5 * dot( load.data(), response.data(), int( load.size() ) );
+}
+
+void SoftBodySystem::refineSolution( SoftBody& body, const AlignedArray<float>& impulse )
+{
+	ImplicitMotion& motion = *body.impl().body->implicit();
+	const std::size_t padded = std::size_t( motion.padded() );
+	AlignedArray<float> all( impulse.size() ), momentum( impulse.size() ), velocity( impulse.size() );
+	motion.copyVelocities( velocity.data() );
+	for ( std::size_t i = 0; i < all.size(); ++i )
+	{
+		all[i] = motion.rightSide()[i] + impulse[i];
+		momentum[i] = motion.nodes().mass[i % padded] * velocity[i];
+	}
+	respondTo( body, all, velocity );
+	motion.giveMomentum( momentum.data(), velocity.data() );
+	motion.setNodeVelocities( velocity.data() );
+}
+
+void SoftBodySystem::strainByImpact( const IslandBlock& block, int part, double h )
+{
+	const ImpactLoad load = contactLoadOn( block, part );
+	SoftBody& body = *block.soft[std::size_t( part )].owner;
+	if ( !couldBreak( body, load.energy ) )
+	{
+		return;
+	}
+	refineSolution( body, load.impulse );
+	AlignedArray<float> response( load.stopping.size() ), other;
+	double stored = respondTo( body, load.stopping, response );
+	for ( const int partner : load.partners )
+	{
+		SoftBody& hit = *block.soft[std::size_t( partner )].owner;
+		const ImpactLoad back = contactLoadOn( block, partner );
+		other.assign( back.stopping.size(), 0.0f );
+		stored += hit.impl().isImplicit ? respondTo( hit, back.stopping, other ) : energyOfNodes( hit, back.stopping );
+	}
+	const double strained = std::sqrt( body.impl().body->implicit()->gamma() * load.energy / stored ); // s
+	if ( strained > 1.0 )
+	{
+		std::transform(
+			response.begin(), response.end(), response.begin(), [by = float( ( strained - 1.0 ) * h )]( float w ) { return by * w; } );
+		body.impl().body->noteImpact( response.data() );
+	}
+}
+
+} // namespace pliant
