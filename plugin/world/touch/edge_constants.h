@@ -1,6 +1,8 @@
 #pragma once
 
-// Constants of faces at edges and in thin parts.
+// Constants of faces at edges and in thin parts, and of small objects.
+
+#include <LinearMath/btScalar.h>
 
 namespace pliant {
 
@@ -16,6 +18,8 @@ inline constexpr double kSmallReach = 0.5;
 inline constexpr double kOppositeCosine = 0.9;
 /// A face is at most so far in front of a coarse node, in sizes of the node: beyond it belongs to the layer above.
 inline constexpr double kLayerHeight = 0.6;
+/// Two corners of a convex object are one where they are nearer than this fraction of its largest extent, or than a centimetre (Bullet).
+inline constexpr btScalar kCornerFraction = btScalar( 0.01 );
 /// Two faces are in one plane where their normals have this cosine and their distance is below this, cells.
 inline constexpr double kCoplanarCosine = 0.999, kPlaneTolerance = 0.05;
 

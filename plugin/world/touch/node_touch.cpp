@@ -94,7 +94,10 @@ struct NearestPair : btDiscreteCollisionDetectorInterface::Result
 bool nearestOnConvex( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch )
 {
 	const auto* convex = static_cast<const btConvexShape*>( obstacle.shape );
+	// Bullet takes corners within a centimetre for one, and ends at a wrong corner of what is as small.
+	const btScalar apart = kCornerFraction * largestExtent( *convex );
 	btVoronoiSimplexSolver simplex;
+	simplex.setEqualVertexThreshold( std::min( simplex.getEqualVertexThreshold(), apart * apart ) );
 	btGjkEpaPenetrationDepthSolver depth;
 	btGjkPairDetector detector( sphere.shape, convex, &simplex, &depth );
 	btDiscreteCollisionDetectorInterface::ClosestPointInput input;

@@ -1,9 +1,10 @@
 // Rigid objects of a tenth to a third of a cell on the top and on the rim of a soft block.
 
-#include "test_meshes.h"
-#include "world/test_world.h"
-
 #include "support/surface_queries.h"
+#include "test_meshes.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/test_world.h"
+#include "world/touch/node_touch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -168,6 +169,45 @@ TEST( SmallObjects, PostsAndEdgesOfWallsStopABody )
 				EXPECT_LT( farthestAgainst( new btCylinderShape( half ), aside, yaw ), -0.15 ) << "post of radius " << radius;
 			}
 			EXPECT_LT( farthestAgainst( new btBoxShape( btVector3( 1, 1, btScalar( 0.01 ) ) ), aside, yaw ), -1.1 ) << "end of a wall";
+		}
+	}
+}
+
+// Bullet takes corners within a centimetre for one. Of a hull of a centimetre the wrong corner was found as the nearest, a centimetre from
+// the right one: it lost its contacts, and fell into the surface on which it lay.
+TEST( SmallObjects, HullsOfMillimetresHaveAllTheirCorners )
+{
+	const btVector3 corners[] = { btVector3( 1, 0, 0 ), btVector3( -1, 0, 0 ), btVector3( 0, 1, 0 ), btVector3( 0, -1, 0 ),
+		btVector3( 0, 0, 1 ), btVector3( 0, 0, -1 ), btVector3( btScalar( 0.6 ), btScalar( 0.6 ), btScalar( 0.6 ) ) };
+	btSphereShape sphere( btScalar( 0.05 ) );
+	for ( const double half : { 0.5, 0.05, 0.005, 0.001 } )
+	{
+		btConvexHullShape hull;
+		for ( const btVector3& corner : corners )
+		{
+			hull.addPoint( corner * btScalar( half ) );
+		}
+		hull.setMargin( btScalar( 0.1 * half ) );
+		Obstacle obstacle;
+		obstacle.shape = &hull;
+		MovingSphere from;
+		from.shape = &sphere;
+		from.radius = double( sphere.getRadius() );
+		from.centre = Vec3d( 0.0, -0.85, 0.0 ); // as far as a patch's sphere is behind the surface
+		for ( int k = 0; k < 500; ++k )
+		{
+			const btQuaternion turn(
+				btVector3( std::sin( btScalar( k ) ), std::cos( btScalar( 3 * k ) ), std::sin( btScalar( 7 * k ) ) ).normalized(),
+				btScalar( 0.1 * k ) );
+			obstacle.basis = toMatrix3d( btMatrix3x3( turn ) );
+			double nearest = 1e9;
+			for ( const btVector3& corner : corners )
+			{
+				nearest = std::min( nearest, ( half * obstacle.basis * toVec3d( corner ) - from.centre ).norm() - 0.1 * half );
+			}
+			Touch touch;
+			ASSERT_TRUE( findNearest( obstacle, from, touch ) );
+			EXPECT_LT( touch.distance, nearest + 0.01 * half + 1e-5 ) << half << " " << k;
 		}
 	}
 }
