@@ -232,6 +232,7 @@ public:
 	void pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner* runner );
 	/// Numerical damping of the implicit substeps from now on, [0, 1]; without a value that of the material, as at first.
 	void dampNumerically( std::optional<float> damping ) { m_numericalDamping = damping; }
+	float numericalDamping() const { return m_numericalDamping.value_or( m_material.numericalDamping ); }
 	/// Whether the body turns about an axis across `up`, a unit vector, from 0 (it rocks at rest, is held or in several parts) to 1.
 	double turnFreedom( const Vec3d& up ) const;
 	/// Until the next call 1 - `rolling`, [0, 1], of the material's wobble damping acts: the strain of a rolling body is at rest in space
@@ -336,6 +337,7 @@ private:
 	void addNodesOfRigidPieces( std::vector<std::uint32_t>& nodes ) const;
 	void removeSmall( std::vector<std::vector<std::uint32_t>>& parts, BreakReport& report ) const;
 	std::vector<std::uint32_t> nodesAboveBroken() const;
+	double energyOf( const std::vector<CellLink>& links ) const; ///< J, in the present positions
 	BreakReport reportOn( const std::vector<CellLink>& broken ) const;
 	std::unique_ptr<Body> makePiece( std::shared_ptr<const Lattice> lattice, BodyPiece& piece, PieceBuild build ) const;
 	std::unique_ptr<Body> relinkWhole( const std::shared_ptr<const Lattice>& lattice, BodyPiece& piece );

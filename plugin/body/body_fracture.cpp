@@ -252,13 +252,28 @@ void Body::refineToBreak()
 	changeLevels( nodes, {} );
 }
 
+// A link represents a thirteenth of a cell: 26 links per cell, each shared by two.
+double Body::energyOf( const std::vector<CellLink>& links ) const
+{
+	const double d = m_lattice->cellSize, energyPerLink = 0.5 * m_material.youngsModulus * d * d * d / 13.0;
+	double sum = 0.0;
+	for ( const CellLink& link : links )
+	{
+		const int a = nodeOfCell( link.a ), b = nodeOfCell( link.b );
+		const double rest = ( m_nodes.x0.get( a ) - m_nodes.x0.get( b ) ).norm();
+		const double strain = a != b ? std::max( 0.0, double( ( m_nodes.x.get( b ) - m_nodes.x.get( a ) ).norm() ) / rest - 1.0 ) : 0.0;
+		sum += energyPerLink * strain * strain;
+	}
+	return sum;
+}
+
 BreakReport Body::reportOn( const std::vector<CellLink>& broken ) const
 {
 	BreakReport report;
 	report.links = int( broken.size() );
+	// Those that broke by themselves did so in another shape.
+	report.energy = energyOf( m_cutLinks ) + ( m_breaking && !m_breaking->broken.empty() ? m_breaking->energy : 0.0 );
 	const double d = m_lattice->cellSize;
-	// A link represents a thirteenth of a cell: 26 links per cell, each shared by two.
-	const double energyPerLink = 0.5 * m_material.youngsModulus * d * d * d / 13.0;
 	std::vector<Vec3d> middles;
 	for ( const CellLink& link : broken )
 	{
@@ -267,14 +282,10 @@ BreakReport Body::reportOn( const std::vector<CellLink>& broken ) const
 		if ( a != b )
 		{
 			const Vec3 apart = m_nodes.x.get( b ) - m_nodes.x.get( a );
-			const double rest = ( m_nodes.x0.get( a ) - m_nodes.x0.get( b ) ).norm();
-			const double strain = std::max( 0.0, double( apart.norm() ) / rest - 1.0 );
-			report.energy += energyPerLink * strain * strain;
 			report.partingVelocity += double( ( m_nodes.v.get( b ) - m_nodes.v.get( a ) ).dot( apart.stableNormalized() ) );
 			middles.push_back( ( m_nodes.x.get( a ) + 0.5f * apart ).cast<double>() );
 		}
 	}
-	report.energy = m_breaking ? std::max( report.energy, m_breaking->peakEnergy ) : report.energy;
 	if ( !middles.empty() )
 	{
 		report.partingVelocity /= double( middles.size() );

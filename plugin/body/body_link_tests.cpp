@@ -106,7 +106,7 @@ void Body::noteTurns( float h )
 	}
 	std::vector<Eigen::Matrix3f>& unturned = m_breaking->unturned;
 	unturned.clear();
-	if ( !m_wasImplicit || !m_implicit || m_isBent )
+	if ( !m_wasImplicit || !m_implicit )
 	{
 		return;
 	}
@@ -116,6 +116,11 @@ void Body::noteTurns( float h )
 	unturned.reserve( std::size_t( parts ) );
 	for ( int p = 0; p < parts; ++p )
 	{
+		if ( m_isBent && m_implicit->goesAlongArc( p ) )
+		{
+			unturned.push_back( Eigen::Matrix3f::Identity() );
+			continue;
+		}
 		const Vec3d turn = double( h ) * m_implicit->rigidMotion( m_implicit->momentum( p ), p ).tail<3>();
 		most = std::max( most, 0.5 * turn.squaredNorm() );
 		unturned.push_back( ( Eigen::Matrix3d::Identity() + crossMatrix( turn ) ).inverse().cast<float>() );
@@ -140,21 +145,17 @@ void Body::testLinks( float h )
 	Breaking& b = *m_breaking;
 	b.coolDown -= h;
 	const bool isCool = b.coolDown <= 0.0f;
-	b.peakEnergy = 0.0;
 	if ( b.broken.empty() && ( isCool || b.planes ) )
 	{
 		const TestedShape shape( m_nodes, b, m_implicit ? &m_implicit->parts() : nullptr );
 		findBroken( h, isCool );
-		if ( !b.peak.empty() )
+		// A crack grows by a cell or two in each test, and the peak of an impact is tested within one step.
+		for ( std::size_t before = 0; b.planes && !b.peak.empty() && before < b.broken.size(); )
 		{
-			// A crack grows by a cell or two in each test, and the peak of an impact is tested within one step.
-			for ( std::size_t before = 0; b.planes && before < b.broken.size(); )
-			{
-				before = b.broken.size();
-				b.planes->find( *m_lattice, b.limits, testedPositions(), 0.0f, false, b.broken );
-			}
-			b.peakEnergy = b.broken.empty() ? 0.0 : reportOn( b.broken ).energy;
+			before = b.broken.size();
+			b.planes->find( *m_lattice, b.limits, testedPositions(), 0.0f, false, b.broken );
 		}
+		b.energy = energyOf( b.broken );
 	}
 	b.peak.clear();
 }

@@ -41,7 +41,7 @@ struct Breaking
 	/// The nodes' displacement to their positions at the peak of an impact that the substep does not resolve, m, component after
 	/// component; empty: none.
 	AlignedArray<float> peak;
-	double peakEnergy = 0.0;             ///< J, of the links broken there
+	double energy = 0.0;                 ///< J, of the links in `broken` when they were tested
 	Vec3Array untested;                  ///< scratch: the nodes' positions while others are tested
 	std::unique_ptr<PlaneCracks> planes; ///< BreakRule::Plane only
 	std::unique_ptr<ShardCracks> shards; ///< BreakRule::Shards only

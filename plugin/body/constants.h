@@ -18,8 +18,9 @@ inline constexpr double kRockingTurn = 0.1, kFreeTurn = 0.5;
 inline constexpr double kLeastArc = 0.005;
 /// And that sound crosses so many times in it, in the root of the mean square radius.
 inline constexpr double kArcTravel = 3.0;
-/// Iterations for the axis of rotation in the middle of a step; the error falls by the turn in each.
-inline constexpr int kArcIterations = 4;
+/// Free rotation is divided into parts of this turn about a principal axis, rad, at most so many: the energy then stays within a per cent.
+inline constexpr double kFreeTurnPart = 0.5;
+inline constexpr int kMostTurnParts = 32;
 /// The least fraction of a body's energy about its mass centre that is the energy of its rotation: the parts of what bends in flight rotate
 /// by themselves.
 inline constexpr double kRotatesAsRigid = 0.98;

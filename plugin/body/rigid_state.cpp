@@ -2,6 +2,7 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
+#include "body/free_rotation.h"
 #include "fracture/shards/shard_cracks.h"
 #include "matching/constants.h"
 #include "matching/matcher.h"
@@ -60,15 +61,12 @@ bool areHeldFirmly( const NodeState& nodes, double cell )
 
 } // namespace
 
-// The midpoint rule for the rotation: L is constant in the world, w = I^-1 L changes with the axes.
 RigidMotion advanced( const RigidState& state, const RigidMotion& motion, double h )
 {
 	RigidMotion next = motion;
 	next.centre += h * motion.velocity;
 	const Vec3d spin = spinOf( state.moments, motion.rotation, motion.angularVelocity );
-	const Eigen::Quaterniond half = ( rotationBy( 0.5 * h * motion.angularVelocity ) * motion.rotation ).normalized();
-	const Vec3d middle = freeAngularVelocity( state.moments, half, spin );
-	next.rotation = ( rotationBy( h * middle ) * motion.rotation ).normalized();
+	next.rotation = ( freeRotation( state.moments, motion.rotation, spin, h ) * motion.rotation ).normalized();
 	next.angularVelocity = freeAngularVelocity( state.moments, next.rotation, spin );
 	return next;
 }

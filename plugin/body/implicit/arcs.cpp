@@ -1,12 +1,15 @@
 // The motion of rotating parts along arcs instead of tangents.
 
 #include "body/constants.h"
+#include "body/free_rotation.h"
 #include "body/implicit/implicit_motion.h"
 #include "matching/constants.h"
 #include "matching/regions/region_moments.h"
 #include "matching/rotation.h"
 
 #include <Eigen/Eigenvalues>
+
+#include <algorithm>
 
 namespace pliant {
 
@@ -37,19 +40,14 @@ bool ImplicitMotion::rotatesAsRigid( int part, const Vector6& momentum, const Ve
 	return momentum.tail<3>().dot( motion.tail<3>() ) > kRotatesAsRigid * square;
 }
 
-// The implicit midpoint rule: h w = h R I^-1 R^T L with R, by h w / 2, the axes in the middle. With w of the start the axis would drift off
-// the rotation, faster and faster.
-Eigen::Matrix3d ImplicitMotion::turned( const Eigen::Vector3d& spin, const Eigen::Vector3d& turn, double h, int part ) const
+/// The rotation of a free part in a step of h, s, with the angular momentum `spin`.
+Eigen::Matrix3d ImplicitMotion::turned( const Eigen::Vector3d& spin, double h, int part ) const
 {
-	Eigen::Vector3d middle = turn;
-	for ( int k = 0; k < kArcIterations; ++k )
-	{
-		const Eigen::Matrix3d half = rotationBy( 0.5 * middle ).toRotationMatrix();
-		Vector6 own = Vector6::Zero();
-		own.tail<3>() = half.transpose() * spin;
-		middle = h * half * rigidMotion( own, part ).tail<3>();
-	}
-	return rotationBy( middle ).toRotationMatrix();
+	const Eigen::Matrix3d inertia = rigidMass( part ).bottomRightCorner<3, 3>();
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( inertia );
+	Eigen::Matrix3d axes = solver.eigenvectors();
+	axes.col( 0 ) *= axes.determinant() < 0.0 ? -1.0 : 1.0;
+	return freeRotation( solver.eigenvalues(), Eigen::Quaterniond( axes ), spin, h ).toRotationMatrix();
 }
 
 // x += h v stretches what rotates by ( h w )^2 / 2 in each step, whatever its stiffness. With the rotation R by h w the nodes go on to
@@ -73,7 +71,7 @@ void ImplicitMotion::bendToArcs( double h )
 		{
 			continue;
 		}
-		const Eigen::Matrix3d rotation = turned( whole.tail<3>(), turn, h, p );
+		const Eigen::Matrix3d rotation = turned( whole.tail<3>(), h, p );
 		const Eigen::Matrix3d bend = rotation - Eigen::Matrix3d::Identity() - crossMatrix( turn );
 		parts().forNodes( p, nodes.count, [&]( int i ) {
 			const Eigen::Vector3d x = nodes.x.get( i ).cast<double>();
@@ -81,6 +79,11 @@ void ImplicitMotion::bendToArcs( double h )
 		} );
 		m_arcs.push_back( Arc{ p, rotation, motion.head<3>(), whole.tail<3>() } );
 	}
+}
+
+bool ImplicitMotion::goesAlongArc( int part ) const
+{
+	return std::any_of( m_arcs.begin(), m_arcs.end(), [part]( const Arc& arc ) { return arc.part == part; } );
 }
 
 // Velocities turn with the positions:

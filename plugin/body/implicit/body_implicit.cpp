@@ -129,7 +129,7 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 		std::transform( to, to + padded, velocity[k]->begin(), to, std::plus<>() );
 	}
 	m_implicit->begin( static_cast<LatticeMatcher&>( *m_matcher ), m_nodes, m_pushed.data(),
-		ImplicitStep{ h, alpha, m_material.damping, m_numericalDamping.value_or( m_material.numericalDamping ), m_material.volumeKeeping,
+		ImplicitStep{ h, alpha, m_material.damping, numericalDamping(), m_material.volumeKeeping,
 			regionSecondMoment( m_material ) * double( m_lattice->cellSize ) * double( m_lattice->cellSize ) },
 		m_pull, runner );
 	if ( m_pull.isOn() )

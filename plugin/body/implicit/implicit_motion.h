@@ -114,6 +114,7 @@ public:
 	void bendToArcs( double h );
 	/// After it: turns their velocities too.
 	void turnVelocities();
+	bool goesAlongArc( int part ) const;      ///< in the last bendToArcs()
 	void copyVelocities( float* v ) const;    ///< current node velocities
 	void setNodeVelocities( const float* v ); ///< of the free nodes
 	std::size_t bytes() const { return m_rightSide.size() * sizeof( float ) + m_rates.bytes(); }
@@ -144,8 +145,7 @@ private:
 	float m_volume = 0.0f;      ///< kappa gamma alpha / G
 	double m_soundSquare = 0.0; ///< square of the distance that sound travels in the substep, m^2
 	bool m_hasHeldNodes = false;
-	/// The rotation of a free part in a step of h, s, which begins with the angular momentum `spin` and would turn by `turn`, rad.
-	Eigen::Matrix3d turned( const Eigen::Vector3d& spin, const Eigen::Vector3d& turn, double h, int part ) const;
+	Eigen::Matrix3d turned( const Eigen::Vector3d& spin, double h, int part ) const;
 	bool isCrossedBySound( int part ) const;
 	/// `motion`: of `momentum`.
 	bool rotatesAsRigid( int part, const Vector6& momentum, const Vector6& motion ) const;

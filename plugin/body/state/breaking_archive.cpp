@@ -67,7 +67,7 @@ void Breaking::archiveMake( Archive& archive, const Lattice& lattice, const Mate
 void Breaking::archiveState( Archive& archive, const Lattice& lattice )
 {
 	archiveLinks( archive, broken, lattice );
-	archive( sinceTest, coolDown );
+	archive( sinceTest, coolDown, energy );
 	bool hasPlanes = planes != nullptr;
 	archive( hasPlanes );
 	if ( archive.require( hasPlanes == ( planes != nullptr ), "The cracks are those of another body." ) && planes )

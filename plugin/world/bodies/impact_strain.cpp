@@ -109,16 +109,24 @@ double energyOfNodes( const SoftBody& body, const AlignedArray<float>& impulse )
 	return sum;
 }
 
+/// Whether an impact on an implicit body is over before its links are tested, or damped by the step.
+bool missesImpacts( const SoftBody& body, double h )
+{
+	return resolvedFraction( body, h ) == 0.0 || body.impl().body->numericalDamping() > kMostResolvedDamping;
+}
+
 } // namespace
 
 // An impact lasts as long as sound takes to cross the body a few times. A substep that is longer spreads its impulse p over h: its force is
 // too small by the ratio of the two. As the body is in equilibrium meanwhile, the strain at the peak has the shape of its response to p,
 // w = A^-1 p without rigid motions, and its energy is what the impact has taken from the bodies' motion:
 //
-//   peak displacement = s h w,   s^2 = E / U,   E = sum jn a / 2 over the contacts,   U = sum p w / 2 over the body and those that hit it
+//   peak displacement = s h w,   s^2 = 1.7 gamma E / U,   E = sum jn a / 2 over the contacts,   U = sum p w / 2 over the body and those
+//   that hit it
 //
-// a: the velocity at which a contact meets. The tolerance of the solution is a fraction of the whole impulse and may strain a stiff body by
-// more than the impact: the velocities that strain it are solved more accurately, for the same impulses.
+// a: the velocity at which a contact meets; 1.7 for the waves that add to it (kImpactWaves). The tolerance of the solution is a fraction of
+// the whole impulse and may strain a stiff body by more than the impact: the velocities that strain it are solved more accurately, for the
+// same impulses.
 void SoftBodySystem::noteImpacts( double h )
 {
 	for ( int k = 0; k < implicitSolve().blockCount(); ++k )
@@ -127,7 +135,7 @@ void SoftBodySystem::noteImpacts( double h )
 		for ( int part = 0; part < int( block.soft.size() ); ++part )
 		{
 			SoftBody& body = *block.soft[std::size_t( part )].owner;
-			if ( body.impl().isImplicit && body.impl().body->breaking() && resolvedFraction( body, h ) == 0.0 )
+			if ( body.impl().isImplicit && body.impl().body->breaking() && missesImpacts( body, h ) )
 			{
 				strainByImpact( block, part, h );
 			}
@@ -187,7 +195,7 @@ void SoftBodySystem::strainByImpact( const IslandBlock& block, int part, double 
 		other.assign( back.stopping.size(), 0.0f );
 		stored += hit.impl().isImplicit ? respondTo( hit, back.stopping, other ) : energyOfNodes( hit, back.stopping );
 	}
-	const double strained = std::sqrt( body.impl().body->implicit()->gamma() * load.energy / stored ); // s
+	const double strained = kImpactWaves * std::sqrt( body.impl().body->implicit()->gamma() * load.energy / stored ); // s
 	if ( strained > 1.0 )
 	{
 		std::transform(
