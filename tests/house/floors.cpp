@@ -33,11 +33,11 @@ const Floor kFloors[] = {
 // include any header of its floor, because it implements its sub-folder's functions on state that all sub-folders share.
 const std::vector<std::vector<const char*>> kSubfolders = {
 	{ "plugin/lattice/", "plugin/lattice/mesh/", "plugin/lattice/inside/", "plugin/lattice/faces/", "plugin/lattice/build/" },
-	{ "plugin/adapt/octree/", "plugin/adapt/regions/", "plugin/adapt/moments/" },
+	{ "plugin/adapt/", "plugin/adapt/octree/", "plugin/adapt/regions/", "plugin/adapt/moments/" },
 	{ "plugin/matching/kernels/", "plugin/matching/", "plugin/matching/regions/", "plugin/matching/clusters/", "plugin/matching/step/",
 		"plugin/matching/implicit/" },
 	{ "plugin/fracture/", "plugin/fracture/shards/" },
-	{ "plugin/surface/kernels/", "plugin/surface/skin/", "plugin/surface/crack_shapes/", "plugin/surface/crack_complex/",
+	{ "plugin/surface/", "plugin/surface/kernels/", "plugin/surface/skin/", "plugin/surface/crack_shapes/", "plugin/surface/crack_complex/",
 		"plugin/surface/crack_state/", "plugin/surface/crack_mesh/", "plugin/surface/render/" },
 	{ "plugin/body/implicit/", "plugin/body/levels/", "plugin/body/", "plugin/body/state/" },
 	{ "plugin/world/", "plugin/world/shape/", "plugin/world/query/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/",

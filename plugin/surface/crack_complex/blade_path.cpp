@@ -1,5 +1,7 @@
 #include "surface/crack_complex/blade_path.h"
 
+#include "surface/constants.h"
+
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -9,21 +11,6 @@
 namespace pliant {
 
 namespace {
-
-/// Traces whose normals differ by less than the angle of this cosine belong to one surface.
-constexpr float kSameSurface = 0.7f;
-
-/// Distance below which traces have about equal weight, cells.
-constexpr float kNearTrace = 0.25f;
-
-/// Resistance of a point of the outer surface to leaving it.
-constexpr float kSlide = 100.0f;
-/// The same for the square of the fraction of the surface there that faces a direction. Points on flat surface hardly leave it (where
-/// borders have few points each represents a large area); slightly bent surface holds a point no more than kSlide alone.
-constexpr float kSlideFlat = 1000.0f;
-
-/// Largest displacement of a point, cells: half a cell's diagonal and the noise.
-constexpr float kFarthestMove = 1.25f;
 
 /// Entries of a symmetric matrix: xx, yy, zz, yz, xz, xy.
 constexpr int kRow[6] = { 0, 1, 2, 1, 0, 0 }, kColumn[6] = { 0, 1, 2, 2, 2, 1 };

@@ -1,5 +1,7 @@
 #include "surface/crack_complex/face_drawing.h"
 
+#include "surface/constants.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -10,9 +12,6 @@
 namespace pliant {
 
 namespace {
-
-/// Largest distance of a point from the grid of its face, as a fraction of the grid's spacing.
-constexpr double kOffGrid = 1e-6;
 
 /// A part of a face that separates two cells.
 struct Wall

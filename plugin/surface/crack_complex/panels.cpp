@@ -1,5 +1,6 @@
 #include "surface/crack_complex/panels.h"
 
+#include "surface/constants.h"
 #include "surface/crack_complex/cell_complex.h"
 
 #include <Eigen/Geometry>
@@ -9,9 +10,6 @@
 namespace pliant {
 
 namespace {
-
-/// Longest edge of a panel, cells: longer triangles keep following the cells that cut them.
-constexpr float kLongestPanel = 1.5f;
 
 class PanelFinder
 {

@@ -1,18 +1,12 @@
 #include "surface/crack_mesh/shared_crack_state.h"
 
 #include "lattice/assert_valid.h"
+#include "surface/constants.h"
 
 #include <algorithm>
 #include <numeric>
 
 namespace pliant {
-
-namespace {
-
-/// A body of which more than one face in this many breaks at once is drawn from patches, since most of its drawn surface is new.
-constexpr std::size_t kFewFaces = 16;
-
-} // namespace
 
 SharedCrackState::SharedCrackState(
 	const CrackSurface& whole, std::shared_ptr<const CrackPatches> patches, const float* texture, bool shatters ) :

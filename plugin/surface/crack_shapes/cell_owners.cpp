@@ -5,6 +5,7 @@
 
 #include "lattice/inside/grid.h"
 #include "lattice/union_find.h"
+#include "surface/constants.h"
 #include "surface/skin/cell_finder.h"
 
 #include <algorithm>
@@ -27,11 +28,7 @@ struct Blob
 	double cornerCount = 0.0;
 	std::uint32_t owner = kNone;
 
-	Vec3d middle() const
-	{
-		constexpr double kSolid = 1e-6;
-		return volume > kSolid ? Vec3d( moment / volume ) : Vec3d( corners / std::max( cornerCount, 1.0 ) );
-	}
+	Vec3d middle() const { return volume > kSolidBlob ? Vec3d( moment / volume ) : Vec3d( corners / std::max( cornerCount, 1.0 ) ); }
 };
 
 /// Elements are the polygons, then two for each part of a face: its lower and its upper side.

@@ -2,6 +2,8 @@
 
 #include "surface/crack_shapes/clip_surface.h"
 
+#include "surface/constants.h"
+
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
@@ -9,11 +11,6 @@
 namespace pliant {
 
 namespace {
-
-/// Upper limits of an edge's length, as a multiple of the segments of the faces' edges and as a fraction of the noise's wavelength: cuts
-/// along it and its two neighbours then bend a border about four times in a cell. Half as long, borders would have twice as many points as
-/// the faces within them need.
-constexpr double kPiecesOfEdge = 2.0, kWaveOfEdge = 0.625;
 
 std::uint64_t edgeKey( std::uint32_t a, std::uint32_t b )
 {

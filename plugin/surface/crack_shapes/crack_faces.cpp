@@ -5,6 +5,7 @@
 #include "surface/crack_shapes/crack_faces.h"
 
 #include "lattice/union_find.h"
+#include "surface/constants.h"
 #include "surface/crack_shapes/bent_chain.h"
 
 #include <algorithm>
@@ -14,12 +15,6 @@
 namespace pliant {
 
 namespace {
-
-/// Cells. The surface moves by no more than this; smaller features would only produce slivers.
-constexpr double kMergeDistance = 1e-4;
-
-/// Smallest distance of a refining point from the ends of its line, as a fraction of the spacing.
-constexpr double kSpacing = 0.3;
 
 class LineWalker
 {
@@ -75,7 +70,7 @@ private:
 		for ( int k = 1; k < m_subdivision; ++k )
 		{
 			const double at = cell + k * spacing;
-			if ( at > low + kSpacing * spacing && at < high - kSpacing * spacing )
+			if ( at > low + kRefineSpacing * spacing && at < high - kRefineSpacing * spacing )
 			{
 				m_between.push_back( pointAt( line, at ) );
 				m_chain.push_back( m_between.back().rest );
@@ -213,7 +208,7 @@ std::vector<std::uint32_t> mergeClosePoints( const ClippedSurface& surface, cons
 	const auto join = [&]( std::uint32_t a, std::uint32_t b ) {
 		a = sets.find( a );
 		b = sets.find( b );
-		const bool isNear = ( surface.point[a].bent - surface.point[b].bent ).squaredNorm() < kMergeDistance * kMergeDistance;
+		const bool isNear = ( surface.point[a].bent - surface.point[b].bent ).squaredNorm() < kCrackMergeDistance * kCrackMergeDistance;
 		if ( a != b && isNear && !( surface.point[a].origin.isInput() && surface.point[b].origin.isInput() ) )
 		{
 			sets.join( a, b );

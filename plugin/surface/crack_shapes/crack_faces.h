@@ -26,8 +26,8 @@ Eigen::Vector3i positionOfKey( const Eigen::Vector3i& extent, std::uint64_t key 
 /// less than `bendTolerance`.
 std::vector<FaceEdge> makeFaceEdges( ClippedSurface& surface, const NoiseWarp& warp, const CrackSettings& settings );
 
-/// Merges points nearer than `kMergeDistance` into the one with the lowest index, but never two vertices of the input. Returns each point's
-/// representative.
+/// Merges points nearer than `kCrackMergeDistance` into the one with the lowest index, but never two vertices of the input. Returns each
+/// point's representative.
 std::vector<std::uint32_t> mergeClosePoints( const ClippedSurface& surface, const std::vector<FaceEdge>& edges );
 
 /// A connected piece of a face: loops firstLoop .. lastLoop - 1 of FaceParts::loops, the outer one first.

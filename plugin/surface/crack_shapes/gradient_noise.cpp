@@ -2,18 +2,13 @@
 
 #include "surface/crack_shapes/gradient_noise.h"
 
+#include "surface/constants.h"
+
 #include <cmath>
 
 namespace pliant {
 
 namespace {
-
-/// The noise is zero at its own lattice points. This shift, in wavelengths, keeps them away from the cells' corners.
-constexpr double kShift[3] = { 0.3819, 0.6180, 0.2361 };
-
-/// The fixed-point iteration usually gains a digit in two rounds, at worst in ten; it ends when the change is below kStill.
-constexpr int kMostRounds = 200;
-constexpr double kStill = 1e-13;
 
 /// A 32-bit hash of three coordinates: any change of a bit flips about half of the others.
 std::uint32_t mix( std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t seed )
@@ -52,7 +47,7 @@ NoiseWarp::NoiseWarp( double amplitude, double wavelength, std::uint32_t seed ) 
 
 Vec3d NoiseWarp::noise( const Vec3d& position ) const
 {
-	const Vec3d at = position * m_frequency + Vec3d( kShift[0], kShift[1], kShift[2] );
+	const Vec3d at = position * m_frequency + Vec3d( kNoiseShift[0], kNoiseShift[1], kNoiseShift[2] );
 	const Vec3d floor = at.array().floor();
 	const Vec3d within = at - floor;
 	const Vec3d fraction( fade( within.x() ), fade( within.y() ), fade( within.z() ) );
@@ -77,10 +72,10 @@ Vec3d NoiseWarp::backward( const Vec3d& position ) const
 {
 	// x <- x' - a N( x ) contracts as long as a |grad N| < 1.
 	Vec3d at = position;
-	for ( int round = 0; round < kMostRounds && !isOff(); ++round )
+	for ( int round = 0; round < kNoiseRounds && !isOff(); ++round )
 	{
 		const Vec3d next = position - m_amplitude * noise( at );
-		const bool isStill = ( next - at ).cwiseAbs().maxCoeff() < kStill;
+		const bool isStill = ( next - at ).cwiseAbs().maxCoeff() < kNoiseStill;
 		at = next;
 		if ( isStill )
 		{

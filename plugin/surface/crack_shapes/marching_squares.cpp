@@ -1,17 +1,12 @@
 #include "surface/crack_shapes/marching_squares.h"
 
+#include "surface/constants.h"
+
 #include <algorithm>
 #include <array>
 #include <tuple>
 
 namespace pliant {
-
-namespace {
-
-/// Bisections of a side in search of the surface: to 1/256 of a cell.
-constexpr int kBisections = 8;
-
-} // namespace
 
 MarchingSquares::MarchingSquares(
 	ClippedSurface& surface, const NoiseWarp& warp, std::vector<std::uint32_t>& merged, InsideTest isInside ) :

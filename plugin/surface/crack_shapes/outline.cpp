@@ -1,5 +1,7 @@
 #include "surface/crack_shapes/outline.h"
 
+#include "surface/constants.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -265,11 +267,6 @@ std::vector<OutlinePart> groupLoops( const Loops& loops, const std::vector<Vec2d
 
 namespace {
 
-/// Added to the quality of a corner that is no ear: such corners are cut only when balance is no ear.
-constexpr double kNoEar = -2.0;
-/// Factor for an ear that leaves an unwanted edge: it comes after all others.
-constexpr double kUnwanted = 1e-6;
-
 /// Quality of the ear at k. Flat ears are worse than any other ear and better than corners that are no ear.
 double earAt( const std::vector<std::uint32_t>& ring, std::size_t k, const std::vector<Vec2d>& at )
 {
@@ -300,7 +297,7 @@ void triangulate( const Loops& loops, const std::vector<Vec2d>& at, const Outlin
 		ear[k] = earAt( ring, k, at );
 		if ( ear[k] > 0.0 && isUnwanted && isUnwanted( ring[( k + count - 1 ) % count], ring[( k + 1 ) % count] ) )
 		{
-			ear[k] *= kUnwanted;
+			ear[k] *= kUnwantedEar;
 		}
 	};
 	for ( std::size_t k = 0; k < ring.size() && ring.size() > 3; ++k )

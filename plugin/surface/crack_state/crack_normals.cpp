@@ -1,5 +1,6 @@
 // Shading of the cut outer surface: equal to that of the whole mesh until something moves.
 
+#include "surface/constants.h"
 #include "surface/crack_state/crack_surface.h"
 
 #include "surface/crack_complex/blade_path.h"
@@ -9,13 +10,6 @@
 #include <algorithm>
 
 namespace pliant {
-
-namespace {
-
-/// Smaller shifts of a unit normal are rounding errors and are ignored.
-constexpr float kSeenShift = 1e-6f;
-
-} // namespace
 
 /// A closed cut through the outer surface must be invisible: at rest its vertices are shaded as on the whole mesh, however few of the
 /// adjacent triangles are on their side.

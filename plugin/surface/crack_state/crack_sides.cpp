@@ -1,5 +1,6 @@
 #include "surface/crack_state/crack_sides.h"
 
+#include "surface/constants.h"
 #include "surface/crack_complex/blade_path.h"
 #include "surface/crack_state/crack_surface.h"
 #include "threads/parallel.h"
@@ -10,12 +11,6 @@
 namespace pliant {
 
 namespace {
-
-/// Points per task.
-constexpr std::size_t kChunk = 1024;
-
-/// A list is sparse where it has fewer than one in this many of all items.
-constexpr std::size_t kSparseFraction = 32;
 
 /// The lowest `count` bits.
 std::uint64_t bitsUpTo( std::uint32_t count )
@@ -309,13 +304,13 @@ void CrackSides::collectByClass( const std::vector<std::uint32_t>& cells )
 void CrackSides::runOver( std::vector<std::uint32_t>& list, void ( CrackSides::*each )( std::uint32_t ), TaskRunner* runner )
 {
 	auto items = [&]( int chunk ) {
-		const std::size_t first = std::size_t( chunk ) * kChunk, last = std::min( list.size(), first + kChunk );
+		const std::size_t first = std::size_t( chunk ) * kCrackPointsPerTask, last = std::min( list.size(), first + kCrackPointsPerTask );
 		for ( std::size_t k = first; k < last; ++k )
 		{
 			( this->*each )( list[k] );
 		}
 	};
-	runTasks( runner, int( ( list.size() + kChunk - 1 ) / kChunk ), items );
+	runTasks( runner, int( ( list.size() + kCrackPointsPerTask - 1 ) / kCrackPointsPerTask ), items );
 }
 
 /// Finds which carriers of a class are connected, directly or through each other.

@@ -2,6 +2,7 @@
 
 #include "surface/crack_state/crack_surface.h"
 
+#include "surface/constants.h"
 #include "surface/crack_shapes/cell_owners.h"
 
 #include <Eigen/Geometry>
@@ -19,9 +20,6 @@ std::uint32_t numberIn( const std::vector<std::uint32_t>& list, std::uint32_t wa
 }
 
 namespace {
-
-/// Pieces of less than this fraction of the template search for indices instead of storing a table of the template's size.
-constexpr std::size_t kTableFraction = 16;
 
 std::vector<std::uint32_t> tableOf( const std::vector<std::uint32_t>& list, std::size_t all )
 {

@@ -1,3 +1,4 @@
+#include "surface/constants.h"
 #include "surface/crack_state/crack_sides.h"
 #include "surface/crack_state/crack_surface.h"
 
@@ -12,9 +13,6 @@ Status broken( const char* words )
 {
 	return { ResultCode::BadArgument, words };
 }
-
-/// Tolerance for the rounded sum of weights.
-constexpr double kSumSlack = 1e-5;
 
 } // namespace
 
@@ -127,7 +125,7 @@ Status CrackSurface::validateBinding() const
 				return broken( "A vertex follows a cell of another body." );
 			}
 		}
-		if ( !( std::abs( sum - 1.0 ) < kSumSlack ) )
+		if ( !( std::abs( sum - 1.0 ) < kWeightSumSlack ) )
 		{
 			return broken( "The weights of a vertex do not sum to 1." );
 		}

@@ -3,6 +3,7 @@
 // The binding of a skin as the records that a GPU reads (pliant/render/skin_tables.h). Steinemann et al. 2008, section 7.
 
 #include "pliant/render/skin_tables.h"
+#include "surface/constants.h"
 #include "surface/skin/skinning.h"
 
 #include <algorithm>
@@ -11,9 +12,6 @@
 #include <vector>
 
 namespace pliant {
-
-/// Blocks of an array that are compared as a whole, entries.
-inline constexpr std::size_t kStreamBlock = 16;
 
 /// An array as it was last published, and the last change.
 template <class T>

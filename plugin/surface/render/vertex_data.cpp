@@ -1,5 +1,6 @@
 #include "surface/render/vertex_data.h"
 
+#include "surface/constants.h"
 #include "surface/render/skin_tables.h"
 #include "threads/parallel.h"
 
@@ -13,9 +14,6 @@ namespace pliant {
 namespace {
 
 constexpr std::uint32_t kNone = CellComplex::kNone;
-
-/// Vertices per task.
-constexpr int kChunk = 2048;
 
 /// Any direction at a right angle to `normal`, which is a unit vector or zero.
 Vec3 besideOf( const Vec3& normal )
@@ -157,13 +155,13 @@ void turnTangents( const SkinBinding& binding, const SkinPose& pose, const std::
 	};
 	const auto restOf = [&]( std::size_t v ) { return Vec3( Eigen::Map<const Vec3>( rest.data() + 4 * v ) ); };
 	auto task = [&]( int chunk ) {
-		const std::size_t first = std::size_t( chunk ) * kChunk, last = std::min( count, first + kChunk );
+		const std::size_t first = std::size_t( chunk ) * kVerticesPerTask, last = std::min( count, first + kVerticesPerTask );
 		for ( std::size_t v = first; v < last; ++v )
 		{
 			write( v, turned( v, restOf( v ) ) );
 		}
 	};
-	runTasks( runner, int( ( count + kChunk - 1 ) / kChunk ), task );
+	runTasks( runner, int( ( count + kVerticesPerTask - 1 ) / kVerticesPerTask ), task );
 	for ( const SkinBinding::Placed& placed : binding.placed ) // their own rows are unused
 	{
 		Vec3 sum = Vec3::Zero();

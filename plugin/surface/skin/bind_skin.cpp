@@ -1,5 +1,6 @@
 // Computes which nodes move a vertex. Steinemann et al. 2008, section 7; trilinear embedding: Rivers and James 2007, section 4.
 
+#include "surface/constants.h"
 #include "surface/skin/cell_finder.h"
 #include "surface/skin/skinning.h"
 
@@ -16,14 +17,10 @@ namespace {
 
 constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
 
-/// Radius of a cell's influence on vertices, cells. With 1.4 every point has at least two cells of full material in reach, no cell beyond
-/// the 27 around it has influence, and linear fields are exact at the centres, faces and corners of cells.
-constexpr double kSupport = 1.4;
-
 /// ( 1 - r^2 / R^2 )^2 within R, with zero slope at R, so that weights change smoothly over the material.
 double nearbyWeight( const Vec3d& fromMiddle )
 {
-	const double rest = 1.0 - fromMiddle.squaredNorm() / ( kSupport * kSupport );
+	const double rest = 1.0 - fromMiddle.squaredNorm() / ( kSkinSupport * kSkinSupport );
 	return rest > 0.0 ? rest * rest : 0.0;
 }
 

@@ -1,18 +1,13 @@
 #include "surface/skin/cell_finder.h"
 
+#include "surface/constants.h"
+
 #include <algorithm>
 #include <numeric>
 
 namespace pliant {
 
 namespace {
-
-/// Tolerance for material behind the surface, cells: on a concave or bumpy surface the centre of a cell's material may lie slightly in
-/// front of the tangent plane.
-constexpr double kFrontSlack = 0.1;
-
-/// Points further out than this, cells, are clamped: they have no cell around them in any case.
-constexpr double kFarOut = 4.0;
 
 Grid gridOf( const Lattice& lattice )
 {

@@ -1,6 +1,7 @@
 #include "surface/skin/rigid_skin.h"
 
 #include "matching/rotation.h"
+#include "surface/constants.h"
 #include "threads/parallel.h"
 
 #include <algorithm>
@@ -8,15 +9,6 @@
 namespace pliant {
 
 namespace {
-
-/// Tolerance of nodes as a fraction of that of vertices: see the header.
-constexpr double kNodeFraction = 1.0 / 3.0;
-
-/// Nodes are collinear where their squared extent across the line is below this fraction of that along it.
-constexpr double kLine = 1e-4;
-
-/// Groups of four vertices per task.
-constexpr int kGroupChunk = 2048;
 
 /// Vector extension of all supported compilers, for unaligned memory.
 using Unaligned4 = float __attribute__( ( vector_size( 16 ), aligned( 4 ), may_alias ) );
@@ -122,7 +114,7 @@ bool RigidSkin::areCollinear( const NodeState& nodes ) const
 	}
 	// Of eigenvalues a >= b >= c: a b + a c + b c, against ( a + b + c )^2
 	const double size = second.trace();
-	return !( 0.5 * ( size * size - second.squaredNorm() ) > kLine * size * size );
+	return !( 0.5 * ( size * size - second.squaredNorm() ) > kLineExtent * size * size );
 }
 
 /// The best-fitting rigid motion: R nearest to sum m ( x - c )( p - cp )^T, t = c - R cp.
@@ -154,7 +146,7 @@ RigidSkin::Motion RigidSkin::fit( const NodeState& nodes, const float* rotations
 
 bool RigidSkin::follows( const Motion& motion, const NodeState& nodes, const float* rotations, double tolerance, double cell ) const
 {
-	const double off = kNodeFraction * tolerance, angle = off / cell;
+	const double off = kRigidSkinNodeFraction * tolerance, angle = off / cell;
 	const Eigen::Matrix3d r = motion.turn.toRotationMatrix();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
@@ -209,11 +201,11 @@ void RigidSkin::turn( const std::vector<float>& positions, const std::vector<flo
 	normalsNow.resize( normals.size() );
 	const int groups = int( ( positions.size() + 11 ) / 12 );
 	auto task = [&]( int chunk ) {
-		const int first = chunk * kGroupChunk, last = std::min( groups, first + kGroupChunk );
+		const int first = chunk * kSkinGroupsPerTask, last = std::min( groups, first + kSkinGroupsPerTask );
 		turnGroups( position, positions, positionsNow, first, last );
 		turnGroups( direction, normals, normalsNow, first, last );
 	};
-	runTasks( runner, ( groups + kGroupChunk - 1 ) / kGroupChunk, task );
+	runTasks( runner, ( groups + kSkinGroupsPerTask - 1 ) / kSkinGroupsPerTask, task );
 }
 
 } // namespace pliant

@@ -1,5 +1,6 @@
 #include "surface/skin/skin_fade.h"
 
+#include "surface/constants.h"
 #include "surface/skin/rows_of_cells.h"
 
 #include <algorithm>
@@ -9,23 +10,6 @@
 namespace pliant {
 
 namespace {
-
-/// Largest displacement of a vertex by a fade in one frame, as a fraction of the surface's diagonal: half of the limit for a change of
-/// levels.
-constexpr double kFadeStep = 5e-4;
-
-/// Frames of the shortest fade: a tenth of a second.
-constexpr int kFewestFrames = 6;
-/// Frames of the longest fade: half a second. In crushed or torn bodies a change may move the surface by a third of the body; at kFadeStep
-/// per frame the surface would stay away from its nodes, and be skinned in full, for up to 13 s.
-constexpr int kMostFrames = 30;
-
-/// Frames over which the children of a split node separate: a quarter of a second.
-constexpr int kEaseFrames = 15;
-
-/// Fraction of the diagonal below which an offset is dropped, and smallest difference of gradients: a fiftieth of a step, and above
-/// rounding.
-constexpr float kFadeFloor = 1e-5f;
 
 constexpr std::uint32_t kRemoved = std::numeric_limits<std::uint32_t>::max(); // LevelChange::keptAs of removed nodes
 
@@ -288,7 +272,8 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 	m_offset.swap( offsets );
 	// The fade is linear in time. No frame moves a vertex by more than a step, as long as the limits of N permit: N >= largest / ( step
 	// diagonal ).
-	m_frames = int( std::clamp( std::ceil( largest / ( kFadeStep * m_diagonal ) ), double( kFewestFrames ), double( kMostFrames ) ) );
+	m_frames = int(
+		std::clamp( std::ceil( largest / ( kFadeStep * m_diagonal ) ), double( kFewestFadeFrames ), double( kMostFadeFrames ) ) );
 	m_frame = 0;
 	++m_offsetVersion;
 }

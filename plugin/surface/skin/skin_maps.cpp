@@ -1,5 +1,6 @@
 // The affine maps by which nodes move the skin. Steinemann et al. 2008, section 7.
 
+#include "surface/constants.h"
 #include "surface/skin/four_floats.h"
 #include "surface/skin/skin_fade.h"
 #include "surface/skin/skinning.h"
@@ -7,9 +8,6 @@
 namespace pliant {
 
 namespace {
-
-/// Sum of ( s - 1 )^2 over a gradient's singular values up to which the skin follows it; above four times that it is ignored.
-constexpr float kSoundStrain = 0.5f;
 
 using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
 

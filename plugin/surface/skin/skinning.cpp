@@ -1,4 +1,5 @@
 #include "surface/skin/skinning.h"
+#include "surface/constants.h"
 #include "surface/kernels/skin_kernels.h"
 #include "surface/skin/skin_fade.h"
 
@@ -11,20 +12,17 @@ namespace pliant {
 
 namespace {
 
-/// Vertices or nodes per task.
-constexpr int kChunk = 2048;
-
 int chunkCount( std::size_t items )
 {
-	return int( ( items + kChunk - 1 ) / kChunk );
+	return int( ( items + kVerticesPerTask - 1 ) / kVerticesPerTask );
 }
 
 template <class Work>
 void forChunks( std::size_t count, TaskRunner* runner, Work&& work )
 {
 	auto task = [&]( int chunk ) {
-		const std::size_t first = std::size_t( chunk ) * kChunk;
-		work( first, std::min( count, first + kChunk ) );
+		const std::size_t first = std::size_t( chunk ) * kVerticesPerTask;
+		work( first, std::min( count, first + kVerticesPerTask ) );
 	};
 	runTasks( runner, chunkCount( count ), task );
 }
