@@ -4,6 +4,7 @@
 // depend on the distribution over threads.
 
 #include "pliant/task_runner.h"
+#include "threads/constants.h"
 
 #include <algorithm>
 #include <array>
@@ -24,11 +25,6 @@ void runTasks( TaskRunner* runner, int count, F& task )
 		task( i );
 	}
 }
-
-/// Maximum number of chunks of a range. Sums over each chunk, added in the order of chunks, are the same for any number of threads.
-constexpr int kMaxChunks = 16;
-/// Minimum chunk size: some microseconds of work, comparable to the cost of starting a task.
-constexpr int kMinChunkSize = 1024;
 
 /// A value per chunk, without heap memory.
 template <class T>

@@ -8,6 +8,7 @@
 // each of two threads mostly finds the data of the previous stage in its own cache.
 
 #include "pliant/task_runner.h"
+#include "threads/constants.h"
 
 #include <algorithm>
 #include <atomic>
@@ -26,8 +27,6 @@ TaskRunner::~TaskRunner() = default;
 
 namespace {
 
-constexpr int kMaxThreads = 64;
-
 /// The ticket, from the highest bits down: the run's number, 24 bits; the first remaining task and the end of those, 20 bits each.
 constexpr int kTaskBits = 20;
 constexpr int kMaxTasks = ( 1 << kTaskBits ) - 1; // per run
@@ -43,13 +42,6 @@ struct Ticket
 	std::uint64_t withoutFirst() const { return bits + ( std::uint64_t( 1 ) << kTaskBits ); }
 	std::uint64_t withoutLast() const { return bits - 1; }
 };
-
-/// Time that a thread spins for work, or for the end of a run, before it sleeps: about the cost of waking up. The stages of a step follow
-/// one another faster than this.
-constexpr std::chrono::microseconds kSpinTime( 20 );
-
-/// Number of checks between two reads of the clock.
-constexpr int kChecksPerClockRead = 64;
 
 class SerialRunner : public TaskRunner
 {
@@ -238,7 +230,7 @@ private:
 		{
 			return false;
 		}
-		const auto limit = std::chrono::steady_clock::now() + kSpinTime;
+		const auto limit = std::chrono::steady_clock::now() + std::chrono::microseconds( kSpinTime );
 		do
 		{
 			for ( int check = 0; check < kChecksPerClockRead; ++check )

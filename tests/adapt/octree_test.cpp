@@ -1,5 +1,6 @@
 // The octree and cuts through it: Steinemann et al. 2008, section 4.1; Ohta et al. 2009, "Preprocessing".
 
+#include "adapt/constants.h"
 #include "adapt/octree/cut.h"
 #include "support/block_lattice.h"
 #include "support/shapes.h"

@@ -5,6 +5,7 @@
 #include "experiments/step_timing.h"
 #include "support/explicit_material.h"
 
+#include "adapt/constants.h"
 #include "body/body.h"
 #include "body/levels/levels.h"
 #include "lattice/test_meshes.h"

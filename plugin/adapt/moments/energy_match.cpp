@@ -1,5 +1,6 @@
 #include "adapt/moments/energy_match.h"
 
+#include "adapt/constants.h"
 #include "adapt/moments/quadratics.h"
 
 #include <Eigen/Dense>
@@ -10,9 +11,6 @@
 namespace pliant {
 
 namespace {
-
-constexpr double kLargestSoftness = 0.95; ///< of beta and eta: some stiffness always remains
-constexpr double kMomentFraction = 1e-2;  ///< eigenvalues of J below this fraction of the largest are treated as zero
 
 /// sum E_k: variance of the six quadratics about a position offset by `t` from the monomials' origin, over the finest regions. With the row
 /// of the shifted quadratic, e_q + t_a e_b + t_b e_a, each is
@@ -29,10 +27,6 @@ double quadraticVariance( const std::array<float, 45>& packed, const Vec3d& t )
 	}
 	return sum;
 }
-
-/// A matrix whose determinant is at least this fraction of the maximum for its trace has no eigenvalue below kMomentFraction of its
-/// largest: with eigenvalues a >= b >= c, det = a b c <= a^2 c and ( tr / 3 )^3 >= ( a / 3 )^3, so c / a >= fraction / 27.
-constexpr double kSolidFraction = 27.0 * kMomentFraction;
 
 bool isSolid( const Eigen::Matrix3d& moment )
 {

@@ -1,5 +1,6 @@
 #include "adapt/moments/fine_moments.h"
 
+#include "adapt/constants.h"
 #include "adapt/moments/quadratics.h"
 
 namespace pliant {

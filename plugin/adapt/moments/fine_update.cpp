@@ -1,5 +1,6 @@
 #include "adapt/moments/fine_update.h"
 
+#include "adapt/constants.h"
 #include "lattice/reach.h"
 
 #include <algorithm>
@@ -80,9 +81,6 @@ FineUpdate updateFineRegions( const FineRegions& before, const CellChange& chang
 }
 
 namespace {
-
-/// Capacity of the moments array relative to its size.
-constexpr double kMomentsCapacity = 1.25;
 
 /// Moves the moments of nodes to their new indices. Those of cells are most of the data; a cell's number never increases, so they can be
 /// moved in place.

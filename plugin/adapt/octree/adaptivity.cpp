@@ -1,5 +1,6 @@
 #include "pliant/adaptivity.h"
 
+#include "adapt/constants.h"
 #include "adapt/octree/octree.h"
 #include "lattice/features.h"
 #include "lattice/ranges.h"

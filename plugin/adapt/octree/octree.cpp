@@ -1,5 +1,6 @@
 #include "adapt/octree/octree.h"
 
+#include "adapt/constants.h"
 #include "adapt/octree/octree_steps.h"
 #include "lattice/table.h"
 #include "lattice/union_find.h"

@@ -17,9 +17,6 @@ namespace pliant {
 
 inline constexpr std::uint32_t kNoNode = std::numeric_limits<std::uint32_t>::max();
 
-/// Maximum number of levels above the finest: with 8^4 cells in one node, region masses fit in 32 bits (region_matrix.h).
-inline constexpr int kMaxCoarseLevels = 4;
-
 /// Nodes of all levels in flat arrays. Level 0 comes first and its node i is cell i of the lattice; then level 1, and so on, each level in
 /// the order of z, y, x of its blocks, then by lowest cell. Immutable once built.
 struct Octree

@@ -1,3 +1,4 @@
+#include "adapt/constants.h"
 #include "adapt/regions/interval_regions.h"
 
 #include <algorithm>

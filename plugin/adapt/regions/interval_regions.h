@@ -5,15 +5,13 @@
 // A node within w_i of i is in its region, one beyond ( 1 + eps ) w_i is not; nodes in between are optional. A virtual node whose
 // simulation nodes all lie within ( 1 + eps ) w_i, and at least one of them within w_i, therefore represents all of them: a summation node.
 
+#include "adapt/constants.h"
 #include "adapt/octree/visibility_graph.h"
 #include "adapt/regions/region_matrix.h"
 
 namespace pliant {
 
 class TaskRunner;
-
-/// The paper's choice; a smaller value approximates w better, a larger one needs fewer summation nodes.
-inline constexpr float kIntervalEps = 0.5f;
 
 /// Returns w_i of each slot, half cells: `halfWidth` cells of the node's own level, w 2^l, at least 1 to include its neighbours.
 std::vector<std::uint32_t> intervalWidths( const Octree& octree, const Cut& cut, float halfWidth );

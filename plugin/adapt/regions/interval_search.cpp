@@ -1,14 +1,12 @@
 #include "adapt/regions/interval_search.h"
 
+#include "adapt/constants.h"
 #include "adapt/octree/bucket_moore.h"
 #include "threads/parallel.h"
 
 namespace pliant {
 
 namespace {
-
-/// Searches per task: enough to justify its scratch.
-constexpr std::uint32_t kRegionsPerTask = 256;
 
 /// Steps 1 and 2 for one owner after another.
 ///

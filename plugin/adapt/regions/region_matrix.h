@@ -6,6 +6,7 @@
 // Masses are integer multiples of kMassUnit, so that sums are exact in any order: splitting, merging and rebuilding from scratch give the
 // same bits.
 
+#include "adapt/constants.h"
 #include "adapt/octree/cut.h"
 #include "lattice/region.h"
 
@@ -13,10 +14,6 @@
 #include <cmath>
 
 namespace pliant {
-
-/// Approximate fraction of a full finest cell's mass: 8^4 cells fit 32 bits. A cell's mass is not an integer multiple of it; the weight of
-/// a node's unit is corrected per node (RegionMatrix::unit), so that its parts add up to its mass.
-inline constexpr double kMassUnit = 1.0 / ( 1 << 19 );
 
 /// Converts a mass in full cells to units, at least one.
 inline std::uint32_t inMassUnits( double cells )

@@ -1,5 +1,6 @@
 // Ohta's regions as a matrix: Ohta et al. 2009, "Preprocessing" and eq. 6.
 
+#include "adapt/constants.h"
 #include "adapt/regions/region_matrix.h"
 
 #include <algorithm>

@@ -3,6 +3,7 @@
 // The levels of one body: its current nodes, the regions over them, and their changes.
 // Steinemann et al. 2008, section 5.2; Ohta et al. 2009, "Changing the Subdivision Level" and "Merging".
 
+#include "adapt/constants.h"
 #include "body/levels/level_energy.h"
 #include "matching/node_state.h"
 #include "matching/regions/level_update.h"
@@ -149,7 +150,6 @@ public:
 
 private:
 	static constexpr int kNoBudget = -1;
-	static constexpr float kMergeTogether = 0.5f; ///< time between merges, as a fraction of Adaptivity::mergeDelay
 
 	/// `regions` and `tables` belong to the cut.
 	Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Adaptivity& settings, const std::vector<float>& stiffness,

@@ -1,6 +1,7 @@
 // Corrections of LatticeMatcher for rigid motion: of the whole body, or of each part of one in several parts (connected_parts.h).
 
 #include "matching/step/lattice_matcher.h"
+#include "threads/constants.h"
 
 #include "threads/parallel.h"
 

@@ -1,6 +1,7 @@
 #include "world/step/soft_body_system.h"
 
 #include "body/levels/levels.h"
+#include "threads/constants.h"
 #include "threads/parallel.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
