@@ -2,6 +2,7 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
+#include "body/constants.h"
 #include "body/levels/levels.h"
 #include "lattice/assert_valid.h"
 
@@ -14,10 +15,6 @@
 namespace pliant {
 
 namespace {
-
-/// Where more than one link per this number of cells breaks at once, connected parts are found faster by visiting all cells. Measured per
-/// event: at one in 16 to 31 both take the same time, at one in 32 local growth takes a sixth, at one in 8 a third more.
-constexpr std::size_t kFewLinks = 16;
 
 /// Heaviest first, equal ones by lowest cell.
 std::vector<std::vector<std::uint32_t>> byMass( const Lattice& lattice, std::vector<std::vector<std::uint32_t>> parts )

@@ -62,7 +62,7 @@ inline constexpr double kCrumbSize = 1.0 / 3.0;
 /// discs) and 1.1 in space (0.38 filled by balls).
 inline constexpr double kShardSpacing = 1.15;
 /// Parts of shards with less than this fraction of the mean shard's mass join the neighbour with the widest border: slivers.
-inline constexpr double kSliver = 0.15;
+inline constexpr double kShardSliver = 0.15;
 /// Borders of shards are bent by this amplitude over the shard's size, with this wavelength over it: visibly curved, nowhere folded
 /// (2 pi amplitude / wavelength is below a half).
 inline constexpr double kShardBend = 0.09, kShardWave = 1.7;
@@ -94,5 +94,10 @@ inline constexpr float kTestDistance = 0.5f;
 inline constexpr float kRetryFraction = 0.25f;
 /// Area of the lattice's steps over that of a surface of any direction: the mean of | n_x | + | n_y | + | n_z |.
 inline constexpr double kStairs = 1.5;
+
+/// Rounding error of an excess, a float, as a fraction.
+inline constexpr double kExcessRounding = 1e-6;
+/// Margin of the test whether a stretch is below a limit, as a fraction: rounding in double precision.
+inline constexpr double kStretchRounding = 1e-9;
 
 } // namespace pliant

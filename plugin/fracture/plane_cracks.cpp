@@ -8,13 +8,6 @@
 
 namespace pliant {
 
-namespace {
-
-/// Rounding error of an excess, a float.
-constexpr double kRoundedFraction = 1e-6;
-
-} // namespace
-
 float PlaneCracks::candidateStrain() const
 {
 	return kCandidateFraction * m_growthFraction * m_breakStrain;
@@ -78,7 +71,7 @@ void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 	for ( const std::uint32_t i : m_scratch.stretched )
 	{
 		const Eigen::Matrix3d around = m_scratch.moments.of( i ).deformation();
-		if ( !m_checksEveryCell && isStretchedLess( around, minStrain * ( 1.0 - kRoundedFraction ) ) )
+		if ( !m_checksEveryCell && isStretchedLess( around, minStrain * ( 1.0 - kExcessRounding ) ) )
 		{
 			continue; // no crack would grow or start
 		}

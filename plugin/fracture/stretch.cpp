@@ -96,9 +96,8 @@ Stretch largestStretch( const Eigen::Matrix3d& deformation )
 // All eigenvalues of E = F^T F - 1 are below l where the leading minors of l 1 - E are positive (Sylvester). The margin covers rounding.
 bool isStretchedLess( const Eigen::Matrix3d& deformation, double strain )
 {
-	constexpr double kRounding = 1e-9;
 	Symmetric e( deformation );
-	e.addToDiagonal( kRounding - ( ( 1.0 + strain ) * ( 1.0 + strain ) - 1.0 ) * ( 1.0 - kRounding ) );
+	e.addToDiagonal( kStretchRounding - ( ( 1.0 + strain ) * ( 1.0 + strain ) - 1.0 ) * ( 1.0 - kStretchRounding ) );
 	return e.xx < 0.0 && e.xx * e.yy > e.xy * e.xy && e.determinant() < 0.0;
 }
 

@@ -3,6 +3,8 @@
 // Constants of the preprocessing, each with its reason.
 
 #include <cstddef>
+#include <cstdint>
+#include <numbers>
 
 namespace pliant {
 
@@ -165,5 +167,35 @@ inline constexpr double kMaxPatchRadius = 64.0;
 
 /// Maximum number of tasks per pass. Fixed, so that results do not depend on the number of threads.
 inline constexpr std::size_t kMaxTasks = 64;
+
+/// Cells per task of the search for regions: enough to justify its scratch.
+inline constexpr int kCellsPerTask = 512;
+/// Cells of a region are counted over the grid where that has at most this many positions per cell and kSmallGrid more: of a longer, thin
+/// body most positions are empty, while a small grid costs nothing.
+inline constexpr std::size_t kMaxGridPerCell = 64, kSmallGrid = 4096;
+
+/// Positions of a grid that has a table by position; it costs 16 MB at most.
+inline constexpr std::uint64_t kMaxTableEntries = std::uint64_t( 1 ) << 22;
+
+/// Keys of a shell are sorted, and duplicates removed, whenever their number has doubled, but not before there are this many: fewer take
+/// too little memory to be worth the time.
+inline constexpr std::size_t kLeastSortedKeys = 65536;
+
+/// Entries of a stack for the tree of winding numbers: median splits keep the depth below log2 of the number of triangles that 32 bits can
+/// count.
+inline constexpr int kMaxWindingDepth = 64;
+/// Solid angle of all directions, sr, which is a winding number of 1.
+inline constexpr double kWholeSphere = 4.0 * std::numbers::pi;
+
+/// Volume of cavities below which there are none, as a fraction of the material: rounding.
+inline constexpr double kCavityFraction = 1e-9;
+
+/// Bounds of LatticeSettings' values, in the units documented there.
+inline constexpr int kMaxCellsLimit = 10000000;
+inline constexpr int kMaxTrianglesLimit = 100000000;
+inline constexpr int kMaxSamplesPerEdge = 8;
+inline constexpr float kMaxWeldTolerance = 0.01f;
+inline constexpr float kMaxMinimumFill = 0.5f;
+inline constexpr float kMaxShellThickness = 1.0e7f;
 
 } // namespace pliant

@@ -1,5 +1,6 @@
 #include "lattice/region.h"
 
+#include "lattice/constants.h"
 #include "lattice/reach.h"
 #include "pliant/task_runner.h"
 
@@ -10,14 +11,11 @@ namespace pliant {
 
 namespace {
 
-constexpr int kCellsPerTask = 512;
-
 /// Returns the number of cells within the cube of half-width w around each cell, regardless of links, by box counts over the grid. Empty
 /// when a lattice position holds two cells or the grid is much larger than the body.
 std::vector<std::uint32_t> cubeCounts( const Lattice& lattice, int w )
 {
-	constexpr std::size_t kMaxPositionsPerCell = 64;
-	if ( std::size_t( lattice.extent.x() ) * lattice.extent.y() * lattice.extent.z() > kMaxPositionsPerCell * lattice.fill.size() + 4096 )
+	if ( std::size_t( lattice.extent.x() ) * lattice.extent.y() * lattice.extent.z() > kMaxGridPerCell * lattice.fill.size() + kSmallGrid )
 	{
 		return {};
 	}

@@ -136,6 +136,47 @@ inline constexpr double kScratchFraction = 1.125;
 
 /// Nodes of a snapshot farther out than this, m, or faster than this, m/s, are refused: squares of such numbers are still finite. A body is
 /// never placed farther out, nor given a tenth of the velocity.
-constexpr float kFarthestStored = 1.0e9f, kFastestStored = 1.0e6f;
+inline constexpr float kFarthestStored = 1.0e9f, kFastestStored = 1.0e6f;
+
+// --- Tasks ---
+
+/// Nodes per task. Sums are folded task by task, which affects rounding, so it must not depend on the number of threads.
+inline constexpr int kNodesPerTask = 1024;
+/// The same for nodes or members of clusters, ...
+inline constexpr int kMembersPerTask = 1024;
+/// ... and for the blocks of far levels: fewer, since a body has an eighth as many of them as nodes, or less.
+inline constexpr int kBlocksPerTask = 256;
+/// Rows of the tables of levels that one task measures: a multiple of the floats in a cache line, so that no two tasks write to the same
+/// line.
+inline constexpr int kRowsPerTask = 64;
+
+// --- Regions ---
+
+/// Limit of the sweeps of Jacobi's method, which converges quadratically once rotations are small: ten are more than enough for 9 x 9.
+inline constexpr int kJacobiSweeps = 32;
+
+/// A connected part whose inertia per mass is less than this, m^2, is a point: a nanometre squared, far above rounding in double and far
+/// below the distance that floats resolve between two positions.
+inline constexpr double kPointExtent = 1e-18;
+
+/// Added to a region's inertia, relative to its mean moment: a collinear region has none about its line. Its nodes lie on the line, so the
+/// value has no effect there.
+inline constexpr double kLineInertia = 1e-4;
+
+/// Box sums touch every position of the grid, the table only the nodes: largest number of positions per node at which the grid is faster,
+/// by half-width (measured, docs/benchmarks.md).
+inline constexpr float kLargestGridRatio[kLargestHalfWidth + 1] = { 0.0f, 1.6f, 4.0f, 8.0f, 16.0f };
+
+/// The linear mode of clusters scales its fit to the rest volume by this factor at most: a flat cluster would otherwise grow without bound.
+/// (Müller's own program limits the factor to 2 as well.)
+inline constexpr double kLargestVolumeScale = 2.0;
+
+/// Minimum number of blocks along a body's longest side for a far level to be used: with fewer, most regions contain the whole body.
+inline constexpr int kLeastBlocks = 4;
+/// Second moment of one solid cell, cells^2: that of a plate of one cell across its thickness.
+inline constexpr double kSolidCellMoment = 1.0 / 12.0;
+/// Squared deviation of x^2 / 2 from its best linear fit over a length L, relative to the second moment squared: L^4 / 720 of
+/// ( L^2 / 12 )^2.
+inline constexpr double kCurveFraction = 0.2;
 
 } // namespace pliant

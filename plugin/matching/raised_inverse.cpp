@@ -1,5 +1,7 @@
 #include "matching/raised_inverse.h"
 
+#include "matching/constants.h"
+
 #include <cmath>
 
 namespace pliant {
@@ -7,9 +9,6 @@ namespace pliant {
 namespace {
 
 constexpr int kSize = 9;
-
-/// Jacobi's method converges quadratically once rotations are small: ten sweeps are more than enough for 9 x 9.
-constexpr int kMostSweeps = 32;
 
 /// Rotates the plane of axes p and q so that a( p, q ) becomes zero; `axes` accumulates the rotations.
 void rotate( Moment9& a, Moment9& axes, int p, int q )
@@ -60,7 +59,7 @@ bool isDiagonal( const Moment9& a )
 Moment9 raisedInverse( const Moment9& moment, double floorFraction )
 {
 	Moment9 a = moment, axes = Moment9::Identity();
-	for ( int sweep = 0; sweep < kMostSweeps && !isDiagonal( a ); ++sweep )
+	for ( int sweep = 0; sweep < kJacobiSweeps && !isDiagonal( a ); ++sweep )
 	{
 		for ( int p = 0; p < kSize; ++p )
 		{

@@ -115,7 +115,7 @@ TEST( Shards, HaveTheSizeThatWasSetAndHangTogether )
 			EXPECT_EQ( connectedParts( withoutLinks( block.lattice, allBorders( block ) ) ).size(), cells.size() );
 			for ( const auto& [shard, own] : cells )
 			{
-				EXPECT_GE( double( own.size() ), kSliver * 8000.0 / double( cells.size() ) * 0.9 );
+				EXPECT_GE( double( own.size() ), kShardSliver * 8000.0 / double( cells.size() ) * 0.9 );
 			}
 		}
 	}

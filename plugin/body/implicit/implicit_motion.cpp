@@ -10,15 +10,6 @@
 
 namespace pliant {
 
-namespace {
-
-/// Minimum inertia of a body, relative to that of its regions as full ones about their own centres: all nodes in one point have none.
-constexpr double kLeastInertia = 1e-12;
-/// The same for a body of one node, m^2 per mass: it has no inertia, and nothing that could rotate.
-constexpr double kPointInertia = 1e-12;
-
-} // namespace
-
 void ImplicitMotion::measurePinned()
 {
 	m_hasHeldNodes = false;
@@ -78,7 +69,7 @@ void ImplicitMotion::begin(
 	m_arcs.reserve( std::size_t( parts().count() ) );
 	measurePinned();
 	// Nodes in one point cannot rotate, for any inertia.
-	const auto least = [&]( double mass ) { return kLeastInertia * mass * step.secondMoment; };
+	const auto least = [&]( double mass ) { return kLeastBodyInertia * mass * step.secondMoment; };
 	raiseInertias( least, [&]( double mass ) { return least( mass ) / 3.0; } );
 	keepFreeMomentum();
 	m_secondMoment = step.secondMoment;
@@ -122,7 +113,7 @@ void ImplicitMotion::measureRigid( NodeState& nodes, const ConnectedParts* parts
 	beginFree( nodes );
 	m_rates.measureBody( nodes, parts );
 	measurePinned();
-	const auto least = []( double mass ) { return kPointInertia * mass; };
+	const auto least = []( double mass ) { return kLeastPointInertia * mass; };
 	raiseInertias( least, least );
 }
 

@@ -67,7 +67,7 @@ UnionFind joinEqual( const Lattice& lattice, const std::vector<std::uint64_t>& k
 	return groups;
 }
 
-/// Joins each group lighter than kSliver of the mean to the neighbour with most links to it, the lightest first.
+/// Joins each group lighter than kShardSliver of the mean to the neighbour with most links to it, the lightest first.
 void joinSlivers( const Lattice& lattice, UnionFind& groups )
 {
 	const std::vector<std::uint32_t> group = connectedGroups( lattice, groups );
@@ -81,7 +81,7 @@ void joinSlivers( const Lattice& lattice, UnionFind& groups )
 		lowest[group[cell]] = cell;
 		total += double( lattice.fill[cell] );
 	}
-	const double least = kSliver * total / double( count );
+	const double least = kShardSliver * total / double( count );
 	std::vector<std::pair<std::uint32_t, std::uint32_t>> contacts; // of slivers
 	for ( std::uint32_t i = 0; i < std::uint32_t( group.size() ); ++i )
 	{

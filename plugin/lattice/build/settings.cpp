@@ -9,17 +9,6 @@
 
 namespace pliant {
 
-namespace {
-
-constexpr int kMaxCellsLimit = 10000000;
-constexpr int kMaxTrianglesLimit = 100000000;
-constexpr int kMaxSamplesPerEdge = 8;
-constexpr float kMaxWeldTolerance = 0.01f;
-constexpr float kMaxMinimumFill = 0.5f;
-constexpr float kMaxShellThickness = 1.0e7f;
-
-} // namespace
-
 Status checkSettings( const LatticeSettings& settings )
 {
 	return require( ResultCode::BadSettings,

@@ -4,6 +4,7 @@
 
 #include "lattice/build/shell_links.h"
 #include "lattice/build/surface_points.h"
+#include "lattice/constants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -62,7 +63,7 @@ public:
 			if ( m_keys.size() >= m_next )
 			{
 				sortOnce( m_keys );
-				m_next = std::max( kMinSize, 2 * m_keys.size() );
+				m_next = std::max( kLeastSortedKeys, 2 * m_keys.size() );
 			}
 		}
 	}
@@ -76,9 +77,8 @@ public:
 	std::size_t size() const { return m_keys.size(); }
 
 private:
-	static constexpr std::size_t kMinSize = 65536;
 	Keys m_keys;
-	std::size_t m_next = kMinSize;
+	std::size_t m_next = kLeastSortedKeys;
 };
 
 /// Determines which points of the surface are covered by the inside's cells.

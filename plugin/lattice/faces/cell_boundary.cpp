@@ -2,6 +2,7 @@
 
 #include "lattice/axis_neighbours.h"
 
+#include "lattice/constants.h"
 #include "lattice/table.h"
 #include "lattice/union_find.h"
 
@@ -16,9 +17,6 @@ namespace {
 
 /// Corner c of a cell: bit k is its side along axis k.
 constexpr std::size_t kCornersOfCell = 8;
-
-/// Volume of cavities below which there are none, as a fraction of the material: rounding.
-constexpr double kCavityFraction = 1e-9;
 
 /// A face without a link: its cell, the corners counter-clockwise seen from outside, and the lattice position in front of it.
 struct Face

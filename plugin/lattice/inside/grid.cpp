@@ -43,13 +43,6 @@ int Grid::firstAbove( int axis, double coordinate ) const
 	return coordinate < 0.0 ? 0 : coordinate >= end ? sampleCount( axis ) : firstAbove( axis, std::int64_t( coordinate ) );
 }
 
-namespace {
-
-/// A table of this size costs 16 MB at most.
-constexpr std::uint64_t kMaxTableEntries = std::uint64_t( 1 ) << 22;
-
-} // namespace
-
 PositionIndex::PositionIndex( const Grid& grid, const std::vector<std::uint64_t>& keys ) : m_keys( keys )
 {
 	if ( grid.positions() <= kMaxTableEntries )

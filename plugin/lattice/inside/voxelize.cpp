@@ -21,8 +21,6 @@ bool Progress::report( float fraction )
 
 namespace {
 
-constexpr std::uint8_t kBlocked[3] = { kBlockedX, kBlockedY, kBlockedZ };
-
 class Voxelizer
 {
 public:

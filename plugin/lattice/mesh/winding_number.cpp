@@ -6,16 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace pliant {
 
 namespace {
-
-/// Median splits keep the depth below log2 of the number of triangles that 32 bits can count.
-constexpr int kMaxDepth = 64;
-
-constexpr double kWholeSphere = 4.0 * std::numbers::pi;
 
 Vec3d middle( const std::array<Vec3d, 3>& corners )
 {
@@ -153,7 +147,7 @@ double WindingTree::at( const Vec3d& point ) const
 	{
 		return 0.0;
 	}
-	std::uint32_t stack[kMaxDepth];
+	std::uint32_t stack[kMaxWindingDepth];
 	int depth = 0;
 	stack[depth++] = 0;
 	double angle = 0.0;
@@ -234,7 +228,7 @@ bool intersects( const std::array<Vec3d, 3>& corner, const Vec3d& from, const Ve
 bool WindingTree::isCrossed( const Vec3d& from, const Vec3d& to ) const
 {
 	const Vec3d segment = to - from;
-	std::uint32_t stack[kMaxDepth];
+	std::uint32_t stack[kMaxWindingDepth];
 	int depth = 0;
 	if ( !m_nodes.empty() )
 	{

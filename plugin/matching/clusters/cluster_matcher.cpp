@@ -1,5 +1,6 @@
 #include "matching/clusters/cluster_matcher.h"
 
+#include "matching/constants.h"
 #include "matching/raised_inverse.h"
 #include "matching/regions/region_moments.h"
 #include "matching/rotation.h"
@@ -14,16 +15,9 @@ namespace pliant {
 
 namespace {
 
-/// Nodes or members per task. Sums are folded in chunks of this size, which affects rounding, so it must not depend on the thread count.
-constexpr int kPiece = 1024;
-
-/// The linear mode scales its fit to the rest volume by this factor at most: a flat cluster would otherwise grow without bound. (Müller's
-/// own program limits the factor to 2 as well.)
-constexpr double kLargestVolumeScale = 2.0;
-
 int chunkCount( int nodes )
 {
-	return ( nodes + kPiece - 1 ) / kPiece;
+	return ( nodes + kMembersPerTask - 1 ) / kMembersPerTask;
 }
 
 } // namespace
@@ -48,9 +42,9 @@ ClusterMatcher::ClusterMatcher( ClusterSet clusters, const Material& material, c
 	for ( int r = 0; r < m_clusters.count(); ++r )
 	{
 		measureRest( r, nodes );
-		for ( std::uint32_t k = m_clusters.start[r]; k < m_clusters.start[r + 1]; k += kPiece )
+		for ( std::uint32_t k = m_clusters.start[r]; k < m_clusters.start[r + 1]; k += kMembersPerTask )
 		{
-			m_pieces.push_back( Piece{ r, k, std::min( k + kPiece, m_clusters.start[r + 1] ) } );
+			m_pieces.push_back( Piece{ r, k, std::min( k + kMembersPerTask, m_clusters.start[r + 1] ) } );
 		}
 		m_pieceStart.push_back( std::uint32_t( m_pieces.size() ) );
 	}
@@ -147,7 +141,7 @@ void ClusterMatcher::measureBody( const NodeState& nodes, TaskRunner* runner )
 {
 	auto task = [&]( int chunk ) {
 		BodySum sum;
-		for ( int i = chunk * kPiece; i < std::min( nodes.count, ( chunk + 1 ) * kPiece ); ++i )
+		for ( int i = chunk * kMembersPerTask; i < std::min( nodes.count, ( chunk + 1 ) * kMembersPerTask ); ++i )
 		{
 			const double m = nodes.mass[i];
 			const Vec3d x = nodes.x.get( i ).cast<double>(), x0 = nodes.x0.get( i ).cast<double>();
@@ -335,14 +329,14 @@ void ClusterMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 	gather( nodes, runner );
 	const int chunks = chunkCount( nodes.count );
 	auto find = [&]( int chunk ) {
-		m_impulseSum[chunk] = findChanges( nodes, step, chunk * kPiece, std::min( nodes.count, ( chunk + 1 ) * kPiece ) );
+		m_impulseSum[chunk] = findChanges( nodes, step, chunk * kMembersPerTask, std::min( nodes.count, ( chunk + 1 ) * kMembersPerTask ) );
 	};
 	runTasks( runner, chunks, find );
 
 	const double wobbleFraction = step.wobbleFraction( double( step.wobbleDamping ) );
 	const Motion unwanted = unwantedMotion( wobbleFraction );
 	auto apply = [&]( int chunk ) {
-		for ( int i = chunk * kPiece; i < std::min( nodes.count, ( chunk + 1 ) * kPiece ); ++i )
+		for ( int i = chunk * kMembersPerTask; i < std::min( nodes.count, ( chunk + 1 ) * kMembersPerTask ); ++i )
 		{
 			if ( nodes.freedom[i] != 0.0f )
 			{

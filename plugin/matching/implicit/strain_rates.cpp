@@ -11,19 +11,17 @@ namespace pliant {
 
 namespace {
 
-/// As in the matcher: the chunk size affects the rounding of sums.
-constexpr int kChunk = 1024;
-static_assert( kChunk % kTile == 0 );
+static_assert( kNodesPerTask % kTile == 0 );
 
 int chunks( int padded )
 {
-	return ( padded + kChunk - 1 ) / kChunk;
+	return ( padded + kNodesPerTask - 1 ) / kNodesPerTask;
 }
 
 template <class Kernel>
 void overNodes( int padded, TaskRunner* runner, Kernel kernel )
 {
-	auto task = [&]( int chunk ) { kernel( chunk, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ); };
+	auto task = [&]( int chunk ) { kernel( chunk, chunk * kNodesPerTask, std::min( padded, ( chunk + 1 ) * kNodesPerTask ) ); };
 	runTasks( runner, chunks( padded ), task );
 }
 

@@ -1,5 +1,6 @@
 // The diagonal of the implicit step's operator. docs/design/implicit.md.
 
+#include "matching/constants.h"
 #include "matching/implicit/strain_rates.h"
 #include "matching/regions/region_members.h"
 #include "matching/step/lattice_matcher.h"
@@ -13,10 +14,6 @@
 namespace pliant {
 
 namespace {
-
-/// Added to a region's inertia, relative to its mean moment: a collinear region has none about its line. Its nodes lie on the line, so the
-/// value has no effect there.
-constexpr double kLineInertia = 1e-4;
 
 /// Rest position of a node, m, and its weight in the sums.
 struct WeightedNode

@@ -1,5 +1,6 @@
 #include "matching/regions/level_tables.h"
 
+#include "adapt/constants.h"
 #include "matching/constants.h"
 #include "threads/parallel.h"
 
@@ -8,9 +9,6 @@
 namespace pliant {
 
 namespace {
-
-/// Rows that one task measures: a multiple of the floats in a cache line, so that no two tasks write to the same line.
-constexpr int kRowsPerTask = 64;
 
 /// Fills the tables region by region.
 class Filler

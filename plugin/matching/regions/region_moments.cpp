@@ -1,5 +1,7 @@
 #include "matching/regions/region_moments.h"
 
+#include "matching/constants.h"
+
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
@@ -52,14 +54,6 @@ Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorFract
 	const Eigen::Vector3d raised = solver.eigenvalues().cwiseMax( floorFraction * largest );
 	return solver.eigenvectors() * raised.cwiseInverse().asDiagonal() * solver.eigenvectors().transpose();
 }
-
-namespace {
-
-/// A connected part whose inertia per mass is less than this, m^2, is a point: a nanometre squared, far above rounding in double and far
-/// below the distance that floats resolve between two positions.
-constexpr double kPointExtent = 1e-18;
-
-} // namespace
 
 Eigen::Matrix3d inverseOfPart( const Eigen::Matrix3d& inertia, double mass )
 {

@@ -1,16 +1,9 @@
 #include "matching/regions/region_tables.h"
 
+#include "matching/constants.h"
 #include "matching/regions/link_moments.h"
 
 namespace pliant {
-
-namespace {
-
-/// Box sums touch every position of the grid, the table only the nodes: largest number of positions per node at which the grid is faster,
-/// by half-width (measured, docs/benchmarks.md).
-constexpr float kLargestGridRatio[kLargestHalfWidth + 1] = { 0.0f, 1.6f, 4.0f, 8.0f, 16.0f };
-
-} // namespace
 
 bool needsInverse( const Material& material )
 {

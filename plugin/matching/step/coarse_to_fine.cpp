@@ -1,5 +1,6 @@
 #include "matching/step/coarse_to_fine.h"
 
+#include "matching/constants.h"
 #include "matching/step/settle_region.h"
 #include "threads/parallel.h"
 
@@ -10,19 +11,17 @@ namespace pliant {
 
 namespace {
 
-/// Blocks per task.
-constexpr int kBlockChunk = 256;
-static_assert( kBlockChunk % kTile == 0 );
+static_assert( kBlocksPerTask % kTile == 0 );
 
 int blockChunks( int padded )
 {
-	return ( padded + kBlockChunk - 1 ) / kBlockChunk;
+	return ( padded + kBlocksPerTask - 1 ) / kBlocksPerTask;
 }
 
 template <class F>
 void runChunks( TaskRunner* runner, int count, F&& work )
 {
-	auto task = [&]( int chunk ) { work( chunk, chunk * kBlockChunk, std::min( count, ( chunk + 1 ) * kBlockChunk ) ); };
+	auto task = [&]( int chunk ) { work( chunk, chunk * kBlocksPerTask, std::min( count, ( chunk + 1 ) * kBlocksPerTask ) ); };
 	runTasks( runner, blockChunks( count ), task );
 }
 
@@ -121,7 +120,7 @@ void CoarseToFine::matchLevel( Level& level, const MatchView& body, const Kernel
 	{
 		for ( int k = 0; k < level.openCount[chunk]; ++k )
 		{
-			settleRegion( kernels, view, int( level.open[chunk * kBlockChunk + k] ) );
+			settleRegion( kernels, view, int( level.open[chunk * kBlocksPerTask + k] ) );
 		}
 	}
 }

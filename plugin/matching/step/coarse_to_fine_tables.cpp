@@ -3,6 +3,7 @@
 #include "matching/step/coarse_to_fine.h"
 
 #include "lattice/table.h"
+#include "matching/constants.h"
 #include "matching/regions/region_moments.h"
 
 #include <algorithm>
@@ -11,9 +12,6 @@
 namespace pliant {
 
 namespace {
-
-/// Minimum number of blocks along a body's longest side for a level to be used: with fewer, most regions contain the whole body.
-constexpr int kLeastBlocks = 4;
 
 /// Linked pairs, in both directions, ascending, without duplicates.
 using Links = std::vector<std::pair<std::uint32_t, std::uint32_t>>;

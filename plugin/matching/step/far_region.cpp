@@ -1,5 +1,6 @@
 #include "matching/step/far_region.h"
 
+#include "matching/constants.h"
 #include "matching/regions/region_moments.h"
 #include "matching/stiffness.h"
 
@@ -8,17 +9,6 @@
 #include <algorithm>
 
 namespace pliant {
-
-namespace {
-
-/// Second moment of one solid cell, cells^2: that of a plate of one cell across its thickness.
-constexpr double kSolidCell = 1.0 / 12.0;
-
-/// Squared deviation of x^2 / 2 from its best linear fit over a length L, relative to the second moment squared: L^4 / 720 of ( L^2 / 12
-/// )^2.
-constexpr double kCurveFraction = 0.2;
-
-} // namespace
 
 void FarMoments::add( const FarMoments& other, double fraction )
 {
@@ -50,7 +40,7 @@ FarRegion weighFarRegion( const FarMoments& weighted, const FarMoments& plain, i
 		{
 			const double along = std::max( solver.eigenvalues()[a], 0.0 ), across = std::max( solver.eigenvalues()[b], 0.0 );
 			const double curved = region.pull * ( along * across + kCurveFraction * along * along ),
-						 strained = mu * ( across + kSolidCell );
+						 strained = mu * ( across + kSolidCellMoment );
 			if ( a != b && strained < remaining * curved )
 			{
 				remaining = strained / curved;
@@ -105,7 +95,7 @@ double etaOfPinned( const RegionCells& cells, const FarRegion& region, const Far
 	{
 		for ( int b = 0; b < 3; ++b )
 		{
-			const double strained = mu * ( std::max( solver.eigenvalues()[b], 0.0 ) + kSolidCell * plain.mass );
+			const double strained = mu * ( std::max( solver.eigenvalues()[b], 0.0 ) + kSolidCellMoment * plain.mass );
 			const Bending bending = a == b
 				? Bending{}
 				: bendRegion( cells, region, centre, solver.eigenvectors().col( a ), solver.eigenvectors().col( b ) );

@@ -1,5 +1,6 @@
 #include "matching/step/lattice_matcher.h"
 
+#include "matching/constants.h"
 #include "matching/rotation.h"
 #include "matching/step/settle_region.h"
 #include "threads/parallel.h"
@@ -11,14 +12,12 @@ namespace pliant {
 
 namespace {
 
-/// Nodes per task. Sums are folded chunk by chunk, which affects rounding, so it must not depend on the thread count.
-constexpr int kChunk = 1024;
-static_assert( kChunk % kTile == 0 );
+static_assert( kNodesPerTask % kTile == 0 );
 static_assert( kRecordFloats == kSumFloats );
 
 int chunks( int padded )
 {
-	return ( padded + kChunk - 1 ) / kChunk;
+	return ( padded + kNodesPerTask - 1 ) / kNodesPerTask;
 }
 
 } // namespace
@@ -172,7 +171,8 @@ void LatticeMatcher::measureFrame( const NodeState& nodes, MatchView& view, Task
 {
 	auto task = [&]( int chunk ) {
 		m_partial[chunk].fill( 0.0f );
-		m_kernels.frameSums( view, chunk * kChunk, std::min( nodes.padded, ( chunk + 1 ) * kChunk ), m_partial[chunk].data() );
+		m_kernels.frameSums(
+			view, chunk * kNodesPerTask, std::min( nodes.padded, ( chunk + 1 ) * kNodesPerTask ), m_partial[chunk].data() );
 	};
 	runTasks( runner, chunks( nodes.padded ), task );
 
@@ -233,7 +233,9 @@ void LatticeMatcher::gatherAndFit( MatchView& view, const MatchStep& step, TaskR
 		std::fill( m_regionRecord.begin(), m_regionRecord.end(), 0.0f );
 	}
 	const int padded = m_tables->moments.padded;
-	auto records = [&]( int chunk ) { m_kernels.nodeRecords( view, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ); };
+	auto records = [&]( int chunk ) {
+		m_kernels.nodeRecords( view, chunk * kNodesPerTask, std::min( padded, ( chunk + 1 ) * kNodesPerTask ) );
+	};
 	runTasks( runner, chunks( padded ), records );
 	if ( m_far && step.far[0] > 0.0f ) // before box sums overwrite the records
 	{
@@ -241,8 +243,8 @@ void LatticeMatcher::gatherAndFit( MatchView& view, const MatchStep& step, TaskR
 	}
 	sumNodeRecords( view, runner );
 	auto fit = [&]( int chunk ) {
-		const int end = std::min( padded, ( chunk + 1 ) * kChunk );
-		m_openCount[chunk] = m_kernels.fitRegions( view, chunk * kChunk, end, &m_open[chunk * kChunk] );
+		const int end = std::min( padded, ( chunk + 1 ) * kNodesPerTask );
+		m_openCount[chunk] = m_kernels.fitRegions( view, chunk * kNodesPerTask, end, &m_open[chunk * kNodesPerTask] );
 	};
 	runTasks( runner, chunks( padded ), fit );
 	settleOpenRegions( view );
@@ -262,7 +264,7 @@ void LatticeMatcher::settleOpenRegions( const MatchView& view )
 	{
 		for ( int k = 0; k < m_openCount[chunk]; ++k )
 		{
-			settleRegion( m_kernels, view, int( m_open[chunk * kChunk + k] ) );
+			settleRegion( m_kernels, view, int( m_open[chunk * kNodesPerTask + k] ) );
 		}
 	}
 }
@@ -314,7 +316,7 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 
 	auto scatter = [&]( int chunk ) {
 		m_partial[chunk].fill( 0.0f );
-		m_kernels.scatter( v, chunk * kChunk, std::min( nodes.padded, ( chunk + 1 ) * kChunk ), m_partial[chunk].data() );
+		m_kernels.scatter( v, chunk * kNodesPerTask, std::min( nodes.padded, ( chunk + 1 ) * kNodesPerTask ), m_partial[chunk].data() );
 	};
 	runTasks( runner, chunks( nodes.padded ), scatter );
 	if ( m_parts.areSeveral() )
@@ -324,7 +326,7 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 		return;
 	}
 	correctRigidMotion( v, step.h );
-	auto apply = [&]( int chunk ) { m_kernels.apply( v, chunk * kChunk, std::min( nodes.padded, ( chunk + 1 ) * kChunk ) ); };
+	auto apply = [&]( int chunk ) { m_kernels.apply( v, chunk * kNodesPerTask, std::min( nodes.padded, ( chunk + 1 ) * kNodesPerTask ) ); };
 	runTasks( runner, chunks( nodes.padded ), apply );
 	flow( v, step, runner );
 }
@@ -341,7 +343,10 @@ void LatticeMatcher::flow( const MatchView& view, const MatchStep& step, TaskRun
 	}
 	const int padded = m_tables->moments.padded;
 	auto task = [&]( int chunk ) {
-		m_openCount[chunk] = m_plastic->flow( view, m_kernels, step, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ) ? 1 : 0;
+		m_openCount[chunk] = m_plastic->flow(
+								 view, m_kernels, step, chunk * kNodesPerTask, std::min( padded, ( chunk + 1 ) * kNodesPerTask ) )
+			? 1
+			: 0;
 	};
 	runTasks( runner, chunks( padded ), task );
 	// Plastic flow moves goals without any motion of the nodes: damping that change would accelerate them.
