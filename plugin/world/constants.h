@@ -5,11 +5,16 @@
 #include <LinearMath/btScalar.h>
 
 #include <cstddef>
+#include <numbers>
 
 namespace pliant {
 
 /// Default of SoftBody::setSurfaceTolerance, cells: a tenth of a pixel where a cell covers ten.
 inline constexpr double kSurfaceTolerance = 1e-2;
+
+/// Classifying all nodes takes longer than skinning the vertices again where a body has at least so many nodes and fewer vertices than this
+/// per node: a node takes some 40 ns, a vertex 30.
+inline constexpr int kManySkinnedNodes = 1024, kFewVerticesPerNode = 4;
 
 /// Sphere radii are rounded to steps of 2^(1/16), so that nodes can share shapes.
 inline constexpr double kRadiusStepsPerOctave = 16.0;
@@ -30,6 +35,9 @@ inline constexpr double kBlockRounding = 2e-6;
 
 /// Supports of a hull by which a sphere may be found to be clear of it before GJK: each costs a tenth of what GJK takes.
 inline constexpr int kHullProbes = 4;
+
+/// From a cube's centre to its corner, in half edges, plus a tenth: splitting a node of level 2 to the finest level takes two substeps.
+inline constexpr double kCornerReach = 1.1 * std::numbers::sqrt3;
 
 /// A node that moves by more than this fraction of its radius in a step is swept; a slower one is tested by its nearest point.
 inline constexpr double kFastFraction = 0.5;
@@ -214,6 +222,13 @@ inline constexpr double kAgreedFraction = 1e-3;
 inline constexpr double kLargestExitDistance = 4.0;
 /// ... and the compromise weights the velocity of the static objects by this, compared with 1 for each contact.
 inline constexpr double kAgreeRest = 0.01;
+/// A contact that violates its target by more than this, m/s, and whose violation changes by less than this fraction of it in a substep is
+/// stuck. Resting contacts violate theirs by less than a tenth of a millimetre per second, and impacts change.
+inline constexpr double kConflictViolation = 5e-3, kConflictChange = 1e-2;
+/// The fraction by which the impulse of a stuck contact decays in each substep.
+inline constexpr double kConflictDecay = 0.1;
+/// Least cosine between a normal and an axis for the contact to count as along it; every direction exceeds it for some axis.
+inline constexpr double kSqueezeCosine = 0.5;
 /// Velocity at which two objects that were placed inside one another separate, m/s; stiff ones, which spring back, separate twice as fast.
 /// Bullet's own bodies, which do not spring, move as their depth requires.
 inline constexpr double kPartingSpeed = 1.0;
@@ -267,24 +282,6 @@ inline constexpr double kFarthestDrive = 100.0;
 /// Bodies are placed no farther from the origin than this along any axis, m: a float's last bit is 64 m there.
 inline constexpr btScalar kFarthestPosition = btScalar( 1e9 );
 
-// --- Rays, sweeps and contact tests ---
-
-/// The drawn surface is at most this many radii of the largest node beyond the nodes' spheres: corners of cubes are, sqrt( 3 ) - 1, and a
-/// little for the skin, which follows several nodes.
-inline constexpr double kDrawnBeyondSpheres = 0.8;
-/// Corners whose normals are within this cosine of their triangle's, 40 degrees, belong to a smooth surface; others to an edge.
-inline constexpr double kSmoothCosine = 0.766;
-/// A ray meets a triangle up to this weight beyond its borders: rounding of points on a border that two triangles share.
-inline constexpr double kTriangleBorder = 1e-9;
-/// Smallest area, m^2 (squared: m^4), and length that is divided by.
-inline constexpr double kNoArea = 1e-60;
-/// A sphere that may penetrate deeper than its radius is swept with this fraction of its radius.
-inline constexpr double kLeastSweptRadius = 1e-3;
-/// Points of a surface whose distances differ by a smaller fraction are equally near: an edge seen from the triangles that share it.
-inline constexpr double kEqualDistance = 1e-6;
-/// A search around a point begins with a node's radius and is doubled at most so many times.
-inline constexpr int kMostDoublings = 40;
-
 // --- Links of multibodies ---
 
 /// A link whose mobility is less than this fraction of that of a free body of its mass is held by its joints or its base.
@@ -301,46 +298,6 @@ inline constexpr std::size_t kMostJoined = 32;
 inline constexpr double kJointRounding = 1e-6;
 /// Rounds in which the rows of joints that are at their limits are found: stops and motors need two or three.
 inline constexpr int kJointRounds = 8;
-
-// --- Bodies in their rigid state (Material::rigidStrain) ---
-
-/// A hull may have this multiple of the volume of its material; where it has more, its nodes are divided among two.
-inline constexpr double kConvexVolume = 1.3;
-/// A hull may lie inside of the spheres by this, in radii of the largest: half as many corners make a search for contacts twice as fast.
-inline constexpr float kHullTolerance = 0.05f;
-/// Nodes that are not divided further, and the largest number of hulls of a body.
-inline constexpr int kLeastHullNodes = 12, kMostHulls = 32;
-/// Contacts of hulls last at least until they have separated or slid by this fraction of the hulls' margin, but not beyond kLongestLasting,
-/// m: a body at rest falls 2.7 mm in a step of 1/60 s before its contacts hold it.
-inline constexpr btScalar kLastingContact = btScalar( 0.5 ), kLongestLasting = btScalar( 0.004 );
-/// Radius of the area in which hulls touch, in radii of a body's smallest node sphere.
-inline constexpr btScalar kContactArea = btScalar( 0.5 );
-/// A body that touches something rotates by at most this angle in a step, rad: an eighth of a turn, as for Bullet's rigid bodies.
-inline constexpr btScalar kFarthestTurn = btScalar( 0.785 );
-/// A body that has just become rigid is rotated to find its contacts until its farthest corner moves by this fraction of their distance.
-inline constexpr btScalar kFirstContactTurn = btScalar( 0.5 );
-/// Game steps: until a new body is tested for its rigid state, between two tests, and for which a body deforms at least.
-inline constexpr int kRigidStart = 2, kRigidRetry = 3, kRigidPause = 6;
-/// A slow body that has been rigid for fewer game steps than the first of these deforms twice as long as the time before, up to the second:
-/// one that rests on another, whose hull lies higher on it than its spheres, would rise, deform and sink again and again, and never sleep.
-inline constexpr int kBrieflyRigid = 60, kLongestRigidPause = 240;
-/// Time for which a body has to be slow, as after a fall over its largest node at most, before it may be rigid while it is bent, s.
-inline constexpr double kBentRest = 0.25;
-/// Velocity at which bodies in their rigid state separate from objects that their hulls overlap, m/s, and a lower bound for the fraction of
-/// a penetration that a solver corrects in a step, which is used to compute it.
-inline constexpr btScalar kRigidParting = btScalar( 0.3 ), kLeastCorrection = btScalar( 1e-3 );
-/// A body deforms again under more than this multiple of the load, N, that it became rigid under.
-inline constexpr double kRigidLoad = 2.0;
-/// One that was bent then, under less than this fraction of it, if that load was at least this fraction of its own weight: the load that is
-/// read while it comes to rest is by some tens of per cent off.
-inline constexpr double kBentLoad = 0.25, kLeastBentLoad = 0.5;
-/// After this time of slow motion, s, the load is a mean over some kMeanLoadTime, s: two pieces that rock on each other exchange their
-/// loads, and would deform at each turn and never sleep.
-inline constexpr double kLoadRest = 1.0, kMeanLoadTime = 0.25;
-/// Velocity from which impacts on pinned bodies in their rigid state are searched, m/s: the least that strains them depends on the mass.
-inline constexpr double kHeldForecast = 0.05;
-/// A pin that follows a body has not moved if its node is within this distance of it, m: the rounding of positions.
-inline constexpr btScalar kStillPin = btScalar( 1e-4 );
 
 // --- Attachments ---
 
@@ -359,7 +316,7 @@ inline constexpr double kAttachedCentre = 1e-3;
 inline constexpr double kLeastAttachedSpan = 0.5;
 
 /// Tags of islands are below the number of a world's objects plus that of the group's islands; a snapshot with higher ones is refused.
-constexpr int kMostTags = 1 << 24;
+inline constexpr int kMostTags = 1 << 24;
 
 /// Objects of a snapshot that are faster than this, m/s and rad/s, or pulled by more than this, N and N m, or whose axes are longer than
 /// this, are refused: values computed from them stay finite.

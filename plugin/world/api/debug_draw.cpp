@@ -8,6 +8,7 @@
 #include <LinearMath/btIDebugDraw.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace pliant {
 
@@ -20,7 +21,7 @@ const btVector3 kAttachmentColour( 1, 1, 0 );
 const btVector3 kImpulseColour( 1, 0, 1 );
 /// By level: red, yellow, green, blue.
 const btVector3 kLevelColours[] = { btVector3( 1, 0, 0 ), btVector3( 1, 1, 0 ), btVector3( 0, 1, 0 ), btVector3( 0, 0, 1 ) };
-constexpr int kLevelColourCount = 4;
+constexpr int kLevelColourCount = int( std::size( kLevelColours ) );
 
 int nodeOf( const SoftBody::Impl& impl, std::uint32_t cell )
 {

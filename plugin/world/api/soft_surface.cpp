@@ -4,6 +4,7 @@
 #include "lattice/guarded_tasks.h"
 #include "surface/skin/skinning.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 #include "world/step/soft_body_system.h"
 #include "world/stopwatch.h"
 
@@ -17,8 +18,7 @@ namespace {
 /// Whether classifying all nodes takes longer than skinning the vertices again: a node takes some 40 ns, a vertex 30.
 bool isSparselyDrawn( int nodes, std::size_t vertices )
 {
-	constexpr int kManyNodes = 1024, kFewVertices = 4; // per node
-	return nodes >= kManyNodes && vertices < std::size_t( kFewVertices ) * std::size_t( nodes );
+	return nodes >= kManySkinnedNodes && vertices < std::size_t( kFewVerticesPerNode ) * std::size_t( nodes );
 }
 
 /// Updates the pose except for the gradients: rotations and plastic flow.

@@ -15,12 +15,6 @@ namespace pliant {
 
 namespace {
 
-/// A contact that violates its target by more than this, m/s, and whose violation changes by less than this fraction of it in a substep is
-/// stuck. Resting contacts violate theirs by less than a tenth of a millimetre per second, and impacts change.
-constexpr double kConflictViolation = 5e-3, kConflictChange = 1e-2;
-/// The fraction by which the impulse of a stuck contact decays in each substep.
-constexpr double kConflictDecay = 0.1;
-
 /// n.w >= least, w the node's velocity.
 struct Constraint
 {
@@ -35,9 +29,6 @@ Constraint constraintOf( const BlockContact& contact, int side )
 	const Vec3d normal = side == 0 ? contact.normal : Vec3d( -contact.normal );
 	return Constraint{ normal, contact.target + normal.dot( contact.side[1 - side].prescribedVelocity ) };
 }
-
-/// Least cosine between a normal and an axis for the contact to count as along it; every direction exceeds it for some axis.
-constexpr double kAlong = 0.5;
 
 /// Returns true if objects of prescribed velocity press on the block from opposite sides.
 bool isSqueezed( const std::vector<BlockContact>& contacts )
@@ -56,7 +47,7 @@ bool isSqueezed( const std::vector<BlockContact>& contacts )
 			}
 		}
 	}
-	return ( low.array() < -kAlong && high.array() > kAlong ).any();
+	return ( low.array() < -kSqueezeCosine && high.array() > kSqueezeCosine ).any();
 }
 
 } // namespace

@@ -4,7 +4,6 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
-#include "pliant/build.h"
 #include "pliant/soft_body.h"
 #include "surface/crack_mesh/shared_crack_state.h"
 #include "surface/render/skin_blend.h"
@@ -20,6 +19,7 @@
 #include "world/game/force_fields.h"
 #include "world/joints/pose_follower.h"
 #include "world/query/surface_shape.h"
+#include "world/rigid/rigid_constants.h"
 #include "world/rigid/rigid_proxy.h"
 #include "world/shape/contact_proxy.h"
 #include "world/shape/node_shape.h"

@@ -1,6 +1,6 @@
 #include "world/query/sphere_sweep.h"
 
-#include "world/constants.h"
+#include "world/query/query_constants.h"
 
 #include <Eigen/Geometry>
 

@@ -1,7 +1,7 @@
 // Rays and sweeps of Bullet's against the drawn surface. Bullet passes them to a concave shape as callbacks for triangles.
 
 #include "world/bodies/soft_body_impl.h"
-#include "world/constants.h"
+#include "world/query/query_constants.h"
 #include "world/query/surface_shape.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionWorld.h>

@@ -3,7 +3,6 @@
 #include "body/levels/levels.h"
 #include "lattice/table.h"
 #include "world/bodies/soft_body_impl.h"
-#include "world/constants.h"
 #include "world/query/query_constants.h"
 
 #include <LinearMath/btAabbUtil2.h>

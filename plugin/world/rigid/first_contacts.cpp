@@ -7,6 +7,7 @@
 #include "world/bodies/soft_body_impl.h"
 #include "world/detect/pair_contacts.h"
 #include "world/rigid/lost_contacts.h"
+#include "world/rigid/rigid_constants.h"
 #include "world/search/node_search.h"
 #include "world/step/soft_body_system.h"
 

@@ -3,7 +3,7 @@
 #include "body/rigid_state.h"
 #include "world/bodies/obstacle_parts.h"
 #include "world/bodies/soft_body_impl.h"
-#include "world/constants.h"
+#include "world/rigid/rigid_constants.h"
 #include "world/rigid/rigid_load.h"
 #include "world/step/object_motion.h"
 #include "world/step/soft_body_system.h"

@@ -4,6 +4,7 @@
 #include "world/bodies/manifolds.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/detect/pair_contacts.h"
+#include "world/rigid/rigid_constants.h"
 #include "world/rigid/rigid_load.h"
 #include "world/step/soft_body_system.h"
 

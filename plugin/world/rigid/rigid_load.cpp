@@ -2,7 +2,7 @@
 
 #include "body/rigid_state.h"
 #include "world/bodies/soft_body_impl.h"
-#include "world/constants.h"
+#include "world/rigid/rigid_constants.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 

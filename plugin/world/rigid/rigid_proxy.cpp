@@ -2,6 +2,7 @@
 
 #include "body/rigid_state.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/rigid/rigid_constants.h"
 #include "world/step/soft_body_system.h"
 
 #include <algorithm>

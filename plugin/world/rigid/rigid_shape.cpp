@@ -1,7 +1,7 @@
 #include "world/rigid/rigid_shape.h"
 
 #include "body/rigid_state.h"
-#include "world/constants.h"
+#include "world/rigid/rigid_constants.h"
 #include "world/shape/node_shape.h"
 
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>

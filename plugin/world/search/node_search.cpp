@@ -20,9 +20,6 @@ namespace pliant {
 
 namespace {
 
-/// From a cube's centre to its corner, in half edges, plus a tenth: splitting a node of level 2 to the finest level takes two substeps.
-const double kCornerReach = 1.1 * std::sqrt( 3.0 );
-
 using Near = SoftBody::Impl::Near;
 
 /// A box in the coordinates of a soft body's shape, with a margin for the motion in this step.

@@ -2,20 +2,11 @@
 
 #include "body/levels/levels.h"
 #include "world/shape/node_shape.h"
+#include "world/shape/shape_constants.h"
 
 #include <algorithm>
 
 namespace pliant {
-
-namespace {
-
-/// Inserting leaves one by one takes twenty times as long as building a tree: above this fraction of inserted leaves the tree is rebuilt.
-constexpr double kMostInserted = 0.05;
-
-/// Removing spheres one by one is faster than rebuilding as long as this fraction of a body remains.
-constexpr double kLeastRemaining = 0.8;
-
-} // namespace
 
 /// Removes the spheres of lost nodes. `before`: the previous number of each node. True where no number changed.
 bool NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& before )

@@ -1,6 +1,8 @@
 #include "world/shape/node_tree.h"
 
+#include "threads/constants.h"
 #include "threads/parallel.h"
+#include "world/shape/shape_constants.h"
 #include "world/shape/sphere_rows.h"
 
 #include <algorithm>
@@ -9,9 +11,6 @@
 namespace pliant {
 
 namespace {
-
-/// Extents that differ by a smaller fraction are equal.
-constexpr btScalar kEqualExtents = btScalar( 1e-3 );
 
 btDbvtNode* makeTreeNode( btDbvtNode* parent )
 {

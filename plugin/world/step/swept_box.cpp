@@ -2,6 +2,7 @@
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
+#include "world/query/query_constants.h"
 #include "world/step/object_motion.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
