@@ -123,6 +123,12 @@ TEST( House, ConstantsHaveNamesOfTheirOwn )
 	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
 }
 
+TEST( House, NumbersAreInFilesOfConstants )
+{
+	const Complaints complaints = checkNumbers( ours() );
+	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
+}
+
 TEST( House, TopLevelHoldsWhatBelongsThere )
 {
 	const Complaints complaints = checkTopLevel( PLIANT_ROOT );
@@ -322,6 +328,20 @@ TEST_F( SmallHouse, ConstantsOfOneNameAreSeen )
 	EXPECT_TRUE( checkConstants( tree() ).empty() ) << listOf( checkConstants( tree() ) );
 	put( "plugin/world/b.h", "inline constexpr int kLanes = 4;\n" );
 	EXPECT_EQ( checkConstants( tree() ).size(), 1u );
+}
+
+TEST_F( SmallHouse, NumbersOutsideOfFilesOfConstantsAreSeen )
+{
+	put( "plugin/body/body_constants.h", "inline constexpr int kA = 3;\n" );
+	put( "plugin/matching/kernels/b.h", "constexpr float kB = 1e-6f;\n" );
+	put( "plugin/body/a.cpp",
+		"constexpr std::uint32_t kNone = ~0u, kAll = 0xffffffffu;\nconstexpr int kC = kA;\nconstexpr int kD[2] = { 1, 2 };\n"
+		"const double E::kE = 1.5;\nvoid f()\n{\n\tconstexpr int kF = 2;\n}\n" );
+	EXPECT_TRUE( checkNumbers( tree() ).empty() ) << listOf( checkNumbers( tree() ) );
+	put( "plugin/body/a.h", "inline constexpr double kG = .5; // m\n" );
+	put( "plugin/body/a.cpp", "constexpr float kH = 0.0f, kI =\n\t1e-6f;\nconst btScalar kJ( 2 );\nstatic constexpr auto kK{ 0x10 };\n" );
+	put( "plugin/matching/raised_inverse.cpp", "" ); // without its exception
+	EXPECT_EQ( checkNumbers( tree() ).size(), 6u ) << listOf( checkNumbers( tree() ) );
 }
 
 TEST_F( SmallHouse, CallsWithoutATestOfTheirMisuseAreSeen )

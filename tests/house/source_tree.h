@@ -78,6 +78,9 @@ Complaints checkShape( const SourceTree& tree );
 /// No two headers of the plugin define a constant with the same name: for the linker they would be one object, with either value.
 Complaints checkConstants( const SourceTree& tree );
 
+/// A number that is a constant of a file's scope is in a file of constants, unless it is listed as a part of a structure or a format.
+Complaints checkNumbers( const SourceTree& tree );
+
 /// The calls of the public headers that take an argument other than a bool: the number of overloads by qualified name.
 std::map<std::string, int> publicCalls( const SourceTree& tree );
 
