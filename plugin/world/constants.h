@@ -363,8 +363,8 @@ inline constexpr double kResponseFraction = 1e-5;
 /// to the impact, over that of the fastest.
 inline constexpr double kLeastStopped = 0.2;
 
-/// The strain at the peak of an impact over that of an equilibrium of the same energy, since waves add to it: the median over falls on edges,
-/// corners and ends of cubes, panes and bars in steps that resolve them.
+/// The strain at the peak of an impact over that of an equilibrium of the same energy, since waves add to it: the median over falls on
+/// edges, corners and ends of cubes, panes and bars in steps that resolve them.
 inline constexpr double kImpactWaves = 1.3;
 /// Numerical damping above which a step damps an impact that it would resolve.
 inline constexpr float kMostResolvedDamping = 0.5f;

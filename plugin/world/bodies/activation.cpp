@@ -213,7 +213,8 @@ bool SoftBodySystem::wakeHit()
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		impl.isHit = impl.isHit && body->getActivationState() == ISLAND_SLEEPING && !impl.rigidProxy && isInPass( *body );
+		impl.isHit = impl.isHit && body->getActivationState() == ISLAND_SLEEPING && !impl.rigidProxy &&
+			!body->isStaticOrKinematicObject() && isInPass( *body );
 		impl.isHit ? wakeLate( *body ) : void();
 		isAny = isAny || impl.isHit;
 	}
@@ -229,7 +230,8 @@ bool SoftBodySystem::wakeHit()
 			for ( int k = 0; manifold.getNumContacts() > 0 && soft[0] && soft[1] && k < 2; ++k )
 			{
 				SoftBody& other = *soft[1 - k];
-				if ( soft[k]->impl().isHit && other.getActivationState() == ISLAND_SLEEPING && isInPass( other ) )
+				const bool canWake = !other.isStaticOrKinematicObject() && other.getActivationState() == ISLAND_SLEEPING;
+				if ( soft[k]->impl().isHit && canWake && isInPass( other ) )
 				{
 					wakeLate( other );
 					isChanged = true;

@@ -200,6 +200,24 @@ TEST( HitAsleep, BodiesKeepTheirContactsWithTheFloorAndWakeWhatLiesOnThem )
 	EXPECT_LT( std::abs( upper->linearVelocity().y() ), btScalar( 0.05 ) );
 }
 
+// Static bodies, as pieces that have become scenery, cannot wake: the search for all that lies on what is hit never ended.
+TEST( HitAsleep, ABodyBesideAStaticOneWakes )
+{
+	TestWorld t;
+	t.addFloor();
+	SoftBody* const lower = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, btScalar( 0.2 ), 0 ), stiff( 2e5f ) );
+	SoftBody* const upper = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, btScalar( 0.6 ), 0 ), stiff( 2e5f ) );
+	t.run( 500 );
+	ASSERT_FALSE( upper->isActive() );
+	lower->setCollisionFlags( lower->getCollisionFlags() | btCollisionObject::CF_STATIC_OBJECT );
+	btRigidBody* const ball = t.add( 20, new btSphereShape( btScalar( 0.1 ) ), at( btScalar( -0.5 ), btScalar( 0.6 ), 0 ) );
+	ball->setLinearVelocity( btVector3( 4, 0, 0 ) );
+	t.run( 20 );
+	EXPECT_TRUE( upper->isActive() );
+	EXPECT_GT( upper->massCentre().x(), btScalar( 0.02 ) );
+	EXPECT_FALSE( lower->isActive() );
+}
+
 TEST( ChangedAsleep, AFilterThatLeavesOutTheFloorLetsItFall )
 {
 	Sleeping t;
