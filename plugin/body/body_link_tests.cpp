@@ -97,7 +97,8 @@ void Body::noteCoarseOverloads()
 //   x = ( 1 + h [ w ]x ) ( r + e )
 //
 // r + e their former positions and what has strained them since, and the tangents' stretch by ( h w )^2 / 2 is none of the material. The
-// next step takes it back where sound crosses the part within it.
+// next step takes it back where sound crosses the part within it. Cells under coarse nodes of one layer have the rotation that was fitted
+// in the former positions: bodies on levels are tested in the former orientation.
 void Body::noteTurns( float h )
 {
 	if ( !m_breaking )
@@ -116,14 +117,16 @@ void Body::noteTurns( float h )
 	unturned.reserve( std::size_t( parts ) );
 	for ( int p = 0; p < parts; ++p )
 	{
-		if ( m_isBent && m_implicit->goesAlongArc( p ) )
+		const std::optional<Eigen::Matrix3d> arc = m_isBent ? m_implicit->arcOf( p ) : std::nullopt;
+		if ( arc && !m_levels )
 		{
 			unturned.push_back( Eigen::Matrix3f::Identity() );
 			continue;
 		}
 		const Vec3d turn = double( h ) * m_implicit->rigidMotion( m_implicit->momentum( p ), p ).tail<3>();
-		most = std::max( most, 0.5 * turn.squaredNorm() );
-		unturned.push_back( ( Eigen::Matrix3d::Identity() + crossMatrix( turn ) ).inverse().cast<float>() );
+		most = std::max( most, m_levels ? turn.norm() : 0.5 * turn.squaredNorm() );
+		const Eigen::Matrix3d rotated = arc ? *arc : Eigen::Matrix3d( Eigen::Matrix3d::Identity() + crossMatrix( turn ) );
+		unturned.push_back( rotated.inverse().cast<float>() );
 	}
 	if ( most < least )
 	{

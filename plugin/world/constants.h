@@ -369,6 +369,9 @@ inline constexpr double kImpactWaves = 1.3;
 /// Numerical damping above which a step damps an impact that it would resolve.
 inline constexpr float kMostResolvedDamping = 0.5f;
 
+/// The error of the block's solution: at most this fraction of the energy of the impulse on a body strains it.
+inline constexpr double kSolutionError = 0.01;
+
 /// Velocities of a body count as rigid where less than this fraction of their energy is left without the rigid motion.
 inline constexpr double kLeastElastic = 1e-12;
 

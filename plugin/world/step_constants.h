@@ -24,4 +24,7 @@ inline constexpr double kLongestPlayedStep = 1.0 / 15.0;
 /// Links of an implicit body that sound crosses more often than this in a step are stretched by at most this in it, in rest lengths.
 inline constexpr double kStiffTravel = 4.0, kMostStretch = 0.15;
 
+/// An object that would move the nodes of a sleeping implicit body by this many cells within a step wakes it before it hits it.
+inline constexpr double kWakingDisplacement = 0.05;
+
 } // namespace pliant

@@ -94,7 +94,7 @@ Crushed crushSticks( const Material& material )
 	plate->setCollisionFlags( btCollisionObject::CF_KINEMATIC_OBJECT );
 	plate->setActivationState( DISABLE_DEACTIVATION );
 	Crushed crushed;
-	for ( int frame = 0; frame < 240; ++frame )
+	for ( int frame = 0; frame < 300; ++frame )
 	{
 		bottom = frame < 150 ? std::max( 0.06, bottom - 0.005 ) : bottom + 0.02;
 		plate->setWorldTransform( test::at( 0, btScalar( bottom + kPlate ), 0 ) );

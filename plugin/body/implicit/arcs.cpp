@@ -81,9 +81,10 @@ void ImplicitMotion::bendToArcs( double h )
 	}
 }
 
-bool ImplicitMotion::goesAlongArc( int part ) const
+std::optional<Eigen::Matrix3d> ImplicitMotion::arcOf( int part ) const
 {
-	return std::any_of( m_arcs.begin(), m_arcs.end(), [part]( const Arc& arc ) { return arc.part == part; } );
+	const auto found = std::find_if( m_arcs.begin(), m_arcs.end(), [part]( const Arc& arc ) { return arc.part == part; } );
+	return found == m_arcs.end() ? std::nullopt : std::optional( found->rotation );
 }
 
 // Velocities turn with the positions:

@@ -17,6 +17,7 @@
 
 #include <Eigen/Core>
 
+#include <optional>
 #include <vector>
 
 namespace pliant {
@@ -114,7 +115,8 @@ public:
 	void bendToArcs( double h );
 	/// After it: turns their velocities too.
 	void turnVelocities();
-	bool goesAlongArc( int part ) const;      ///< in the last bendToArcs()
+	/// The rotation of a part in the last bendToArcs(), if it goes along an arc.
+	std::optional<Eigen::Matrix3d> arcOf( int part ) const;
 	void copyVelocities( float* v ) const;    ///< current node velocities
 	void setNodeVelocities( const float* v ); ///< of the free nodes
 	std::size_t bytes() const { return m_rightSide.size() * sizeof( float ) + m_rates.bytes(); }

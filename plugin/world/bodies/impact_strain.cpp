@@ -21,6 +21,7 @@ struct ImpactLoad
 {
 	AlignedArray<float> impulse;  ///< on the nodes, N s, component after component
 	AlignedArray<float> stopping; ///< the impulse that would stop all approaches within the substep
+	Vec3d sum = Vec3d::Zero();    ///< of `impulse`, N s
 	double energy = 0.0;          ///< that its impacts take from the motion of the bodies, J
 	std::vector<int> partners;    ///< indices of the soft parts that hit it
 };
@@ -77,6 +78,7 @@ ImpactLoad contactLoadOn( const IslandBlock& block, int part )
 	forPressing( block, part, [&]( const BlockContact& contact, int side ) {
 		const double approach = approachOf( contact ), factor = stoppingFactor( contact, approach, fastest );
 		const Vec3d impulse = ( side == 0 ? 1.0 : -1.0 ) * contact.impulse();
+		load.sum += impulse;
 		addImpulse( contact.side[side], contact.normal, impulse, load.impulse );
 		addImpulse( contact.side[side], contact.normal, factor * impulse, load.stopping );
 		load.energy += 0.5 * factor * contact.normalImpulse * approach;
@@ -181,11 +183,16 @@ void SoftBodySystem::strainByImpact( const IslandBlock& block, int part, double 
 {
 	const ImpactLoad load = contactLoadOn( block, part );
 	SoftBody& body = *block.soft[std::size_t( part )].owner;
-	if ( !couldBreak( body, load.energy ) )
+	const double rest = load.sum.squaredNorm() / ( 2.0 * body.impl().mass ); // the energy of the impulse
+	if ( !couldBreak( body, load.energy + kSolutionError * rest ) )
 	{
 		return;
 	}
 	refineSolution( body, load.impulse );
+	if ( !couldBreak( body, load.energy ) )
+	{
+		return;
+	}
 	AlignedArray<float> response( load.stopping.size() ), other;
 	double stored = respondTo( body, load.stopping, response );
 	for ( const int partner : load.partners )

@@ -255,6 +255,16 @@ double SoftBodySystem::leastLanding( const SoftBody& body, double gameStep, int 
 	return std::max( kLandingStrain * soundVelocity( body ), std::sqrt( 2.0 * g * fall ) );
 }
 
+/// The velocity from which on an object wakes a sleeping implicit body before it hits it, m/s. In the step of the hit the body could take
+/// part with its masses alone, and the nodes that are hit would move by more than this on their own.
+double SoftBodySystem::leastWaking( const SoftBody& body, double gameStep ) const
+{
+	const bool canWake = body.getActivationState() == ISLAND_SLEEPING && body.isHealthy() && !body.isStaticOrKinematicObject();
+	return canWake && !body.impl().rigidProxy && stepsImplicitly( body )
+		? kWakingDisplacement * double( body.impl().bodyTemplate->cellSize() ) / gameStep
+		: double( SIMD_INFINITY );
+}
+
 /// Whether a body rolls on something, from 0 to 1.
 double SoftBodySystem::rollingOf( const SoftBody& body ) const
 {
@@ -309,7 +319,8 @@ void SoftBodySystem::noteImpact( SoftBody& body, btCollisionObject& other, btSca
 	const double slowest = leastLanding( body, double( gameStep ), usual ), breaking = leastBreaking( body );
 	const bool mayLand = slowest < SIMD_INFINITY && state.landingTime <= duration && isSmallImpact( body, other );
 	const bool mayBreak = breaking < SIMD_INFINITY;
-	if ( ( !mayLand && !mayBreak ) || !mayTouch( body, other ) )
+	const double waking = leastWaking( body, double( gameStep ) );
+	if ( ( !mayLand && !mayBreak && waking == SIMD_INFINITY ) || !mayTouch( body, other ) )
 	{
 		return;
 	}
@@ -320,6 +331,7 @@ void SoftBodySystem::noteImpact( SoftBody& body, btCollisionObject& other, btSca
 	const double mass = double( massOf( other ) ), own = body.impl().mass, root = std::sqrt( mass / own );
 	const double least = std::min( 1.0, root ), most = mass == SIMD_INFINITY ? 1.0 : std::max( 1.0, root );
 	const double landing = mayLand ? approach.fastestLanding() : 0.0;
+	approach.fastestLanding() > waking ? body.activate() : void();
 	if ( least * landing > slowest && most * landing < kMostLandingStrain * soundVelocity( body ) )
 	{
 		state.landingTime = duration + kLandingSteps * double( gameStep );
@@ -360,7 +372,7 @@ void SoftBodySystem::noteLandings( btScalar gameStep, int usual, bool canSplit )
 		state.rolling = maySubstep ? std::max( rolling, rollingOn( *body ) ) : 0.0;
 		// Vibrations that wobble damping leaves may break links.
 		body->impl().body->rollFreely( body->fracture().rule == BreakRule::Never ? rolling : 0.0 );
-		least = std::min( { least, slowest, leastBreaking( *body ) } );
+		least = std::min( { least, slowest, leastBreaking( *body ), leastWaking( *body, double( gameStep ) ) } );
 	}
 	if ( least == SIMD_INFINITY )
 	{

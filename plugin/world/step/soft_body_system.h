@@ -251,6 +251,7 @@ private:
 	void pressFrames( bool isOn );
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
+	double leastWaking( const SoftBody& body, double gameStep ) const;
 	double leastLanding( const SoftBody& body, double gameStep, int usual ) const;
 	double rollingOf( const SoftBody& body ) const;
 	double rollingOn( SoftBody& body );
