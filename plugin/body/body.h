@@ -36,6 +36,7 @@ struct BreakReport;
 struct CellLink;
 struct ConnectedParts;
 struct PieceOfLevels;
+struct PartTurn;
 struct LinkLimits;
 struct RigidMotion;
 struct RigidState;
@@ -157,8 +158,8 @@ public:
 	void testLinks( float h );
 	/// Of an implicit body that can break, before `integrate`: links are tested without the stretch by which `x += h v` rotates it.
 	void noteTurns( float h );
-	/// The next testLinks tests the nodes displaced by `peak`, m, component after component. Only for bodies that can break.
-	void noteImpact( const float* peak );
+	/// The next testLinks tests the nodes displaced by `peak`, m, component after component, in an impact of `energy`, J. If it can break.
+	void noteImpact( const float* peak, double energy );
 	/// Breaks the given links at any stretch: `links` ascending, without duplicates, all of them existing. Also for bodies that do not
 	/// break by themselves. Returns the number of links not yet marked as broken.
 	int breakLinks( const std::vector<CellLink>& links );
@@ -262,6 +263,10 @@ public:
 
 	/// Of an implicit body without contacts, before integrate: parts that rotate go along arcs (ImplicitMotion::bendToArcs).
 	void bendToArcs( float h );
+	/// Of an implicit body on levels, before integrate: the rotation by which turnFrame() turns the regions' frame after it. Cells under
+	/// coarse nodes of one layer lie across it as their region does, whose rotation was fitted before.
+	void noteFrameTurn( float h );
+	void turnFrame();
 	/// x += h v   (Ohta et al. 2009, eq. 4); the origin follows when the body moves away from it. Checks every number: see BodyHealth.
 	BodyHealth integrate( float h, TaskRunner* runner = nullptr );
 	/// Velocity bounds of all nodes after their forces are applied, m/s.
@@ -363,6 +368,7 @@ private:
 	/// Whether its mean strain is invisible, and none is near to breaking it.
 	bool isHardlyStrained( const StrainSize& strain ) const;
 	ImplicitMotion& madeImplicit();
+	PartTurn turnOf( int part, float h ) const;
 	const ConnectedParts* matchedParts() const;
 	void keepFiniteState();
 	void restoreFiniteState();
@@ -386,11 +392,12 @@ private:
 	Fracture m_fracture;
 	std::vector<CellLink> m_cutLinks, m_healedLinks; ///< ascending
 	std::vector<std::uint32_t> m_firstCell;
-	int m_reviewIn = 0;         ///< substeps until strains are measured
-	float m_sinceReview = 0.0f; ///< s
-	LevelDebt m_energyDebt;     ///< of explicit steps
-	bool m_wasImplicit = false; ///< in the last substep
-	bool m_isBent = false;      ///< by bendToArcs, before integrate
+	int m_reviewIn = 0;                            ///< substeps until strains are measured
+	float m_sinceReview = 0.0f;                    ///< s
+	LevelDebt m_energyDebt;                        ///< of explicit steps
+	bool m_wasImplicit = false;                    ///< in the last substep
+	bool m_isBent = false;                         ///< by bendToArcs, before integrate
+	std::optional<Eigen::Quaterniond> m_frameTurn; ///< of noteFrameTurn, until turnFrame
 	std::optional<float> m_numericalDamping;
 	double m_rolling = 0.0; ///< of rollFreely
 	bool m_isOnePart = true;

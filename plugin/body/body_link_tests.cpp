@@ -117,16 +117,14 @@ void Body::noteTurns( float h )
 	unturned.reserve( std::size_t( parts ) );
 	for ( int p = 0; p < parts; ++p )
 	{
-		const std::optional<Eigen::Matrix3d> arc = m_isBent ? m_implicit->arcOf( p ) : std::nullopt;
-		if ( arc && !m_levels )
+		const PartTurn turn = turnOf( p, h );
+		if ( turn.isArc && !m_levels )
 		{
 			unturned.push_back( Eigen::Matrix3f::Identity() );
 			continue;
 		}
-		const Vec3d turn = double( h ) * m_implicit->rigidMotion( m_implicit->momentum( p ), p ).tail<3>();
-		most = std::max( most, m_levels ? turn.norm() : 0.5 * turn.squaredNorm() );
-		const Eigen::Matrix3d rotated = arc ? *arc : Eigen::Matrix3d( Eigen::Matrix3d::Identity() + crossMatrix( turn ) );
-		unturned.push_back( rotated.inverse().cast<float>() );
+		most = std::max( most, m_levels ? turn.angle : 0.5 * turn.angle * turn.angle );
+		unturned.push_back( turn.moved.inverse().cast<float>() );
 	}
 	if ( most < least )
 	{
@@ -134,8 +132,9 @@ void Body::noteTurns( float h )
 	}
 }
 
-void Body::noteImpact( const float* peak )
+void Body::noteImpact( const float* peak, double energy )
 {
+	m_breaking->impactEnergy = energy;
 	m_breaking->peak.assign( peak, peak + 3 * m_nodes.padded );
 }
 
@@ -159,6 +158,7 @@ void Body::testLinks( float h )
 			b.planes->find( *m_lattice, b.limits, testedPositions(), 0.0f, false, b.broken );
 		}
 		b.energy = energyOf( b.broken );
+		b.energy = b.peak.empty() ? b.energy : std::min( b.energy, b.impactEnergy );
 	}
 	b.peak.clear();
 }

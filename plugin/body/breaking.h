@@ -41,6 +41,7 @@ struct Breaking
 	/// The nodes' displacement to their positions at the peak of an impact that the substep does not resolve, m, component after
 	/// component; empty: none.
 	AlignedArray<float> peak;
+	double impactEnergy = 0.0;           ///< of that impact, J
 	double energy = 0.0;                 ///< J, of the links in `broken` when they were tested
 	Vec3Array untested;                  ///< scratch: the nodes' positions while others are tested
 	std::unique_ptr<PlaneCracks> planes; ///< BreakRule::Plane only

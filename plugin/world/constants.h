@@ -369,6 +369,8 @@ inline constexpr double kImpactWaves = 1.3;
 /// Numerical damping above which a step damps an impact that it would resolve.
 inline constexpr float kMostResolvedDamping = 0.5f;
 
+/// The least fraction of an impulse's energy that has to be left without its rigid motion: less is as well the error of its distribution.
+inline constexpr double kLeastStrainingImpulse = 0.05;
 /// The error of the block's solution: at most this fraction of the energy of the impulse on a body strains it.
 inline constexpr double kSolutionError = 0.01;
 

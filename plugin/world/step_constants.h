@@ -26,5 +26,7 @@ inline constexpr double kStiffTravel = 4.0, kMostStretch = 0.15;
 
 /// An object that would move the nodes of a sleeping implicit body by this many cells within a step wakes it before it hits it.
 inline constexpr double kWakingDisplacement = 0.05;
+/// And that is faster by the velocity of a fall for so many steps: what is put down on it wakes it as it touches it.
+inline constexpr double kWakingFall = 2.0;
 
 } // namespace pliant

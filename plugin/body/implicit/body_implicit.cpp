@@ -6,6 +6,7 @@
 #include "body/implicit/touched_nodes.h"
 #include "body/levels/levels.h"
 #include "matching/implicit/conjugate_gradients.h"
+#include "matching/rotation.h"
 #include "matching/step/lattice_matcher.h"
 #include "matching/stiffness.h"
 
@@ -135,6 +136,32 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 	if ( m_pull.isOn() )
 	{
 		includePulled();
+	}
+}
+
+PartTurn Body::turnOf( int part, float h ) const
+{
+	const Vec3d turn = double( h ) * m_implicit->rigidMotion( m_implicit->momentum( part ), part ).tail<3>();
+	const std::optional<Eigen::Matrix3d> arc = m_isBent ? m_implicit->arcOf( part ) : std::nullopt;
+	return PartTurn{ turn.norm(), arc.has_value(), arc.value_or( Eigen::Matrix3d::Identity() + crossMatrix( turn ) ),
+		arc ? Eigen::Quaterniond( *arc ) : rotationBy( turn ) };
+}
+
+void Body::noteFrameTurn( float h )
+{
+	m_frameTurn.reset();
+	if ( m_levels && m_wasImplicit && m_implicit && m_implicit->parts().count() == 1 )
+	{
+		m_frameTurn = turnOf( 0, h ).rotation;
+	}
+}
+
+void Body::turnFrame()
+{
+	if ( m_frameTurn )
+	{
+		m_matcher->turn( *m_frameTurn );
+		m_frameTurn.reset();
 	}
 }
 

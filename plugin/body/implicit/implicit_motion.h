@@ -47,6 +47,15 @@ struct ImplicitStep
 	double secondMoment = 0.0;     ///< of a full region, per axis and mass, m^2
 };
 
+/// How a connected part turns within an implicit substep.
+struct PartTurn
+{
+	double angle = 0.0;                                  ///< rad
+	bool isArc = false;                                  ///< along an arc, or else along tangents
+	Eigen::Matrix3d moved = Eigen::Matrix3d::Identity(); ///< what that does to its nodes' positions
+	Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+};
+
 class ImplicitMotion
 {
 public:

@@ -111,6 +111,22 @@ double energyOfNodes( const SoftBody& body, const AlignedArray<float>& impulse )
 	return sum;
 }
 
+/// The fraction of the energy of impulses on the nodes that is left without the rigid motions of their momentum: none of an impulse that
+/// stops every node alike, as that of a pane of one layer that lands flat, strains the body.
+double strainingFraction( SoftBody& body, const AlignedArray<float>& impulse )
+{
+	const ImplicitMotion& motion = *body.impl().body->implicit();
+	const NodeState& nodes = body.impl().body->nodes();
+	AlignedArray<float> rest( impulse.size() );
+	motion.giveMomentum( impulse.data(), rest.data() );
+	for ( std::size_t i = 0; i < rest.size(); ++i )
+	{
+		rest[i] = impulse[i] - nodes.mass[i % std::size_t( nodes.padded )] * rest[i];
+	}
+	const double whole = energyOfNodes( body, impulse );
+	return whole > 0.0 ? energyOfNodes( body, rest ) / whole : 0.0;
+}
+
 /// Whether an impact on an implicit body is over before its links are tested, or damped by the step.
 bool missesImpacts( const SoftBody& body, double h )
 {
@@ -123,12 +139,12 @@ bool missesImpacts( const SoftBody& body, double h )
 // too small by the ratio of the two. As the body is in equilibrium meanwhile, the strain at the peak has the shape of its response to p,
 // w = A^-1 p without rigid motions, and its energy is what the impact has taken from the bodies' motion:
 //
-//   peak displacement = s h w,   s^2 = 1.7 gamma E / U,   E = sum jn a / 2 over the contacts,   U = sum p w / 2 over the body and those
+//   peak displacement = s h w,   s^2 = 1.7 gamma f E / U,   E = sum jn a / 2 over the contacts,   U = sum p w / 2 over the body and those
 //   that hit it
 //
-// a: the velocity at which a contact meets; 1.7 for the waves that add to it (kImpactWaves). The tolerance of the solution is a fraction of
-// the whole impulse and may strain a stiff body by more than the impact: the velocities that strain it are solved more accurately, for the
-// same impulses.
+// a: the velocity at which a contact meets; f: strainingFraction; 1.7 for the waves that add to it (kImpactWaves). The tolerance of the
+// solution is a fraction of the whole impulse and may strain a stiff body by more than the impact: the velocities that strain it are solved
+// more accurately, for the same impulses.
 void SoftBodySystem::noteImpacts( double h )
 {
 	for ( int k = 0; k < implicitSolve().blockCount(); ++k )
@@ -183,17 +199,20 @@ void SoftBodySystem::strainByImpact( const IslandBlock& block, int part, double 
 {
 	const ImpactLoad load = contactLoadOn( block, part );
 	SoftBody& body = *block.soft[std::size_t( part )].owner;
-	const double rest = load.sum.squaredNorm() / ( 2.0 * body.impl().mass ); // the energy of the impulse
-	if ( !couldBreak( body, load.energy + kSolutionError * rest ) )
+	// The impulse without that of the weight, and its energy: what rests or slides is not solved again.
+	const Vec3d pushed = load.sum + body.impl().mass * h * toVec3d( gravityOf( body ) );
+	const double pushEnergy = pushed.squaredNorm() / ( 2.0 * body.impl().mass );
+	if ( !couldBreak( body, std::max( load.energy, kSolutionError * pushEnergy ) ) )
 	{
 		return;
 	}
 	refineSolution( body, load.impulse );
-	if ( !couldBreak( body, load.energy ) )
+	AlignedArray<float> response( load.stopping.size() ), other;
+	const double strains = strainingFraction( body, load.stopping ), energy = strains * load.energy;
+	if ( strains < kLeastStrainingImpulse || !couldBreak( body, energy ) )
 	{
 		return;
 	}
-	AlignedArray<float> response( load.stopping.size() ), other;
 	double stored = respondTo( body, load.stopping, response );
 	for ( const int partner : load.partners )
 	{
@@ -202,12 +221,12 @@ void SoftBodySystem::strainByImpact( const IslandBlock& block, int part, double 
 		other.assign( back.stopping.size(), 0.0f );
 		stored += hit.impl().isImplicit ? respondTo( hit, back.stopping, other ) : energyOfNodes( hit, back.stopping );
 	}
-	const double strained = kImpactWaves * std::sqrt( body.impl().body->implicit()->gamma() * load.energy / stored ); // s
-	if ( strained > 1.0 )
+	const double square = body.impl().body->implicit()->gamma() * energy / stored;
+	if ( const double strained = kImpactWaves * std::sqrt( square ); strained > 1.0 && std::isfinite( strained ) ) // s
 	{
 		std::transform(
 			response.begin(), response.end(), response.begin(), [by = float( ( strained - 1.0 ) * h )]( float w ) { return by * w; } );
-		body.impl().body->noteImpact( response.data() );
+		body.impl().body->noteImpact( response.data(), energy );
 	}
 }
 

@@ -261,7 +261,8 @@ double SoftBodySystem::leastWaking( const SoftBody& body, double gameStep ) cons
 {
 	const bool canWake = body.getActivationState() == ISLAND_SLEEPING && body.isHealthy() && !body.isStaticOrKinematicObject();
 	return canWake && !body.impl().rigidProxy && stepsImplicitly( body )
-		? kWakingDisplacement * double( body.impl().bodyTemplate->cellSize() ) / gameStep
+		? kWakingDisplacement * double( body.impl().bodyTemplate->cellSize() ) / gameStep +
+			kWakingFall * gameStep * double( gravityOf( body ).length() )
 		: double( SIMD_INFINITY );
 }
 

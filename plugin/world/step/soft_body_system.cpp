@@ -346,6 +346,7 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 			impl.body->bendToArcs( float( h ) );
 		}
 		impl.body->noteTurns( float( h ) );
+		impl.body->noteFrameTurn( float( h ) );
 		impl.isBroken = impl.body->integrate( float( h ), within ) == BodyHealth::Quarantined;
 		impl.placeSpheres( body, impl.body->motion(), within );
 		impl.skin.nodesMoved();
@@ -353,6 +354,14 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 	integrateRigid( h );
 	quarantineBroken();
 	placeFrames();
+}
+
+void SoftBodySystem::turnFrames()
+{
+	for ( SoftBody* body : m_awake )
+	{
+		body->impl().body->turnFrame();
+	}
 }
 
 void SoftBodySystem::endStep()

@@ -145,6 +145,7 @@ public:
 	/// Finds links that are stretched too far, after the nodes have moved. They break at the start of the next substep.
 	void noteImpacts( double h ); ///< on brittle bodies, in the implicit step
 	void testLinks( btScalar h );
+	void turnFrames(); ///< of implicit bodies on levels, by the rotation of the substep
 	/// Removes small pieces that have faded. Call between game steps.
 	void removeFaded();
 	int removedSinceStep = 0; ///< by the last call

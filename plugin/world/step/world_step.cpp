@@ -371,6 +371,7 @@ void WorldStep::integrate( btScalar h )
 		bodies.integrate( h, m_substep );
 	}
 	bodies.testLinks( h );
+	bodies.turnFrames();
 }
 
 void WorldStep::updateActivation( btScalar h )

@@ -184,5 +184,35 @@ TEST( ImplicitTurning, AThrownPaneDoesNotBreak )
 	}
 }
 
+// Cells under coarse nodes of one layer lay across it as the layer had been before the step: a turn within it was taken for a shear of the
+// same angle, and new nodes were put there when a coarse one was split.
+TEST( ImplicitTurning, ASlabOnLevelsDoesNotBreak )
+{
+	for ( const int levels : { 1, 2 } )
+	{
+		TestWorld t;
+		t.world.setGravity( btVector3( 0, 0, 0 ) );
+		Material material = stiffMaterial();
+		material.youngsModulus = 1e8f;
+		material.density = 1000.0f;
+		Adaptivity adaptivity;
+		adaptivity.coarseLevels = levels;
+		SoftBody* const slab = t.addSoft( test::block( 16, 16, 4, 0.1f ), at( 0, 0, 0 ), material, adaptivity );
+		Fracture fracture;
+		fracture.rule = BreakRule::Shards;
+		fracture.breakStrain = 0.01f;
+		fracture.shardSize = 0.3f;
+		ASSERT_TRUE( slab->setFracture( fracture ).ok() );
+		ASSERT_TRUE( slab->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, 5, btScalar( 1.5 ) ) ).ok() );
+		int links = 0;
+		for ( int frame = 0; frame < 60; ++frame )
+		{
+			t.run( 1 );
+			links += t.world.stepReport().brokenLinks;
+		}
+		EXPECT_EQ( links, 0 ) << levels;
+	}
+}
+
 } // namespace
 } // namespace pliant
