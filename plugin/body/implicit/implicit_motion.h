@@ -81,7 +81,7 @@ public:
 	/// The mean of A's three diagonal entries of a node, kg.
 	float diagonal( int node ) const;
 	bool isElastic() const { return m_stiffness > 0.0f; }
-	double gamma() const { return double( m_gamma ); }
+	double gamma() const { return double( m_gamma ); } ///< ( 1 + sigma ) / 2 of the substep
 	/// The segments of a body whose nodes are the cells of `lattice`, measured at the start of the substep; null where affine motions of
 	/// the whole do as well: for small, soft and compact bodies, and those in several parts.
 	const Segments* segments( const Lattice& lattice );
@@ -152,9 +152,9 @@ private:
 	AlignedArray<float> m_arms;  ///< of the nodes relative to their part's mass centre, m, component by component; 0 where pinned
 	double m_secondMoment = 0.0; ///< of a full region, per axis and mass, m^2
 	float m_stiffness = 0.0f;    ///< G = gamma alpha ( 1 + kappa |m| ) + h c
-	float m_gamma = 1.0f;
-	float m_volume = 0.0f;      ///< kappa gamma alpha / G
-	double m_soundSquare = 0.0; ///< square of the distance that sound travels in the substep, m^2
+	float m_gamma = 1.0f;        ///< ( 1 + sigma ) / 2
+	float m_volume = 0.0f;       ///< kappa gamma alpha / G
+	double m_soundSquare = 0.0;  ///< square of the distance that sound travels in the substep, m^2
 	bool m_hasHeldNodes = false;
 	Eigen::Matrix3d turned( const Eigen::Vector3d& spin, double h, int part ) const;
 	bool isCrossedBySound( int part ) const;

@@ -53,16 +53,13 @@ void IslandBlock::addImpulse( const ContactSide& side, const Vec3d& normal, cons
 	{
 		const SoftPart& part = soft[std::size_t( side.soft )];
 		const int padded = part.motion->padded();
-		const Vec3d normalPart = normal.dot( impulse ) * normal;
-		for ( int j = 0; j < side.shared.count; ++j )
-		{
-			const Vec3d own = side.shared.rub[j] * impulse + ( side.shared.press[j] - side.shared.rub[j] ) * normalPart;
-			float* const at = to + part.offset + side.shared.node[j];
+		side.shared.share( normal, impulse, [&]( int node, const Vec3d& own ) {
+			float* const at = to + part.offset + node;
 			for ( int k = 0; k < 3; ++k )
 			{
 				at[k * padded] += float( own[k] );
 			}
-		}
+		} );
 	}
 	else if ( side.rigid >= 0 )
 	{

@@ -42,14 +42,12 @@ double stoppingFactor( const BlockContact& contact, double approach, double fast
 void addImpulse( const ContactSide& side, const Vec3d& normal, const Vec3d& impulse, AlignedArray<float>& to )
 {
 	const std::size_t padded = to.size() / 3;
-	for ( int j = 0; j < side.shared.count; ++j )
-	{
-		const Vec3d own = side.shared.rub[j] * impulse + ( side.shared.press[j] - side.shared.rub[j] ) * normal.dot( impulse ) * normal;
+	side.shared.share( normal, impulse, [&]( int node, const Vec3d& own ) {
 		for ( std::size_t k = 0; k < 3; ++k )
 		{
-			to[k * padded + std::size_t( side.shared.node[j] )] += float( own[int( k )] );
+			to[k * padded + std::size_t( node )] += float( own[int( k )] );
 		}
-	}
+	} );
 }
 
 /// Calls visit( contact, side ) for the contacts of a body that press, with its side.
@@ -111,20 +109,25 @@ double energyOfNodes( const SoftBody& body, const AlignedArray<float>& impulse )
 	return sum;
 }
 
-/// The fraction of the energy of impulses on the nodes that is left without the rigid motions of their momentum: none of an impulse that
-/// stops every node alike, as that of a pane of one layer that lands flat, strains the body.
-double strainingFraction( SoftBody& body, const AlignedArray<float>& impulse )
+/// Returns impulses on the nodes of an implicit body less those of the rigid motions of its free parts.
+AlignedArray<float> withoutRigidMotion( SoftBody& body, const AlignedArray<float>& impulse )
 {
-	const ImplicitMotion& motion = *body.impl().body->implicit();
 	const NodeState& nodes = body.impl().body->nodes();
 	AlignedArray<float> rest( impulse.size() );
-	motion.giveMomentum( impulse.data(), rest.data() );
+	body.impl().body->implicit()->giveMomentum( impulse.data(), rest.data() );
 	for ( std::size_t i = 0; i < rest.size(); ++i )
 	{
 		rest[i] = impulse[i] - nodes.mass[i % std::size_t( nodes.padded )] * rest[i];
 	}
+	return rest;
+}
+
+/// The fraction of the energy of impulses on the nodes that is left without the rigid motions of their momentum: none of an impulse that
+/// stops every node alike, as that of a pane of one layer that lands flat, strains the body.
+double strainingFraction( SoftBody& body, const AlignedArray<float>& impulse )
+{
 	const double whole = energyOfNodes( body, impulse );
-	return whole > 0.0 ? energyOfNodes( body, rest ) / whole : 0.0;
+	return whole > 0.0 ? energyOfNodes( body, withoutRigidMotion( body, impulse ) ) / whole : 0.0;
 }
 
 /// Whether an impact on an implicit body is over before its links are tested, or damped by the step.
@@ -165,14 +168,7 @@ double SoftBodySystem::respondTo( SoftBody& body, const AlignedArray<float>& imp
 {
 	IslandBlock& block = implicitSolve().responseBlock( body, tasks() );
 	const ImplicitMotion& motion = *body.impl().body->implicit();
-	const NodeState& nodes = body.impl().body->nodes();
-	AlignedArray<float> rigid( impulse.size() ), load( impulse.size() );
-	const AlignedArray<float> none( impulse.size() );
-	motion.giveMomentum( impulse.data(), rigid.data() );
-	for ( std::size_t i = 0; i < load.size(); ++i )
-	{
-		load[i] = impulse[i] - nodes.mass[i % std::size_t( nodes.padded )] * rigid[i];
-	}
+	const AlignedArray<float> load = withoutRigidMotion( body, impulse ), none( impulse.size() );
 	motion.giveMomentum( none.data(), response.data() );
 	block.respond( load.data(), response.data() );
 	motion.giveMomentum( none.data(), response.data() );

@@ -42,6 +42,16 @@ struct SharedNodes
 		}
 		return sum + normal.dot( more ) * normal;
 	}
+	/// Calls add( node, impulse ) with each node's part of an impulse, N s.
+	template <class Add>
+	void share( const Vec3d& normal, const Vec3d& impulse, const Add& add ) const
+	{
+		const Vec3d along = normal.dot( impulse ) * normal;
+		for ( int j = 0; j < count; ++j )
+		{
+			add( node[j], rub[j] * impulse + ( press[j] - rub[j] ) * along );
+		}
+	}
 	/// Removes the nodes for which `isRemoved( node )` and keeps the others' weights; returns the velocity of the removed ones' part.
 	template <class IsRemoved, class Of>
 	Vec3d remove( const Vec3d& normal, const IsRemoved& isRemoved, const Of& of )
