@@ -251,8 +251,6 @@ public:
 	ImplicitMotion* implicit() { return m_implicit.get(); }
 	/// Velocities at the start of the substep.
 	const Vec3Array& velocityBefore() const { return m_velocityBefore; }
-	/// Completes pushImplicitly for a body without contacts; returns the number of products.
-	int solveAlone( TaskRunner* runner );
 
 	// Nodes that are drawn toward velocities (node_pull.h): set before the substep, of the present nodes.
 	NodePull& pull() { return m_pull; }

@@ -2,6 +2,7 @@
 
 #include "body/implicit/implicit_motion.h"
 #include "body/implicit_levels_case.h"
+#include "support/solve_alone.h"
 
 #include <gtest/gtest.h>
 
@@ -158,7 +159,7 @@ TEST( ImplicitLevels, OfFinestCellsAloneAreTheUniformBody )
 				body->nodes().x.set( i, body->nodes().x0.get( i ).cwiseProduct( Vec3( 1.2f, 0.9f, 1.0f ) ) );
 			}
 			body->pushImplicitly( kStep, planStiffness( body->material(), 0.1f, kStep, 1 ).alpha, Vec3::Zero(), nullptr );
-			body->solveAlone( nullptr );
+			test::solveAlone( *body );
 			EXPECT_EQ( body->integrate( kStep ), BodyHealth::Good );
 		}
 	}
@@ -223,7 +224,7 @@ std::unique_ptr<Body> hung( const Adaptivity& settings, Elasticity elasticity )
 		if ( isImplicit )
 		{
 			body->pushImplicitly( h, alpha, gravity, nullptr );
-			body->solveAlone( nullptr );
+			test::solveAlone( *body );
 			body->integrate( h );
 			continue;
 		}
@@ -275,7 +276,7 @@ TEST( ImplicitLevels, KeepMomentumAndSpinInFreeFlightWhileNodesAreSplitAndMerged
 			most = std::max( most, body->nodeCount() );
 			least = std::min( least, body->nodeCount() );
 			body->pushImplicitly( kStep, planStiffness( body->material(), 0.1f, kStep, 1 ).alpha, Vec3::Zero(), nullptr );
-			body->solveAlone( nullptr );
+			test::solveAlone( *body );
 			ASSERT_EQ( body->integrate( kStep ), BodyHealth::Good );
 		}
 		const BodySums after = body->sums();

@@ -1,11 +1,10 @@
-// The implicit substep of a body: its contribution to a linear system, and the system of a body without contacts.
+// The implicit substep of a body: its contribution to a linear system.
 
 #include "body/body.h"
 
 #include "body/implicit/implicit_motion.h"
 #include "body/implicit/touched_nodes.h"
 #include "body/levels/levels.h"
-#include "matching/implicit/conjugate_gradients.h"
 #include "matching/rotation.h"
 #include "matching/step/lattice_matcher.h"
 #include "matching/stiffness.h"
@@ -14,51 +13,6 @@
 #include <functional>
 
 namespace pliant {
-
-namespace {
-
-/// System of a single body: its own matrix, preconditioned by the masses and the affine motions of the body, or of each of its parts.
-class AloneSystem : public LinearSystem
-{
-public:
-	AloneSystem( ImplicitMotion& motion, TaskRunner* runner ) :
-		m_motion( motion ), m_runner( runner ), m_inverse( std::size_t( motion.parts().count() ) )
-	{
-		for ( int p = 0; p < motion.parts().count(); ++p )
-		{
-			m_inverse[std::size_t( p )] = motion.affineMatrix( p ).inverse();
-		}
-	}
-	int size() const override { return m_motion.size(); }
-	void apply( const float* v, float* to ) override { m_motion.apply( v, to, m_runner ); }
-	void precondition( const float* r, float* z ) override
-	{
-		const int padded = m_motion.padded();
-		std::fill( z, z + size(), 0.0f );
-		for ( int i = 0; i < m_motion.nodes().count; ++i )
-		{
-			const float inverse = 1.0f / m_motion.diagonal( i );
-			for ( int k = 0; k < 3; ++k )
-			{
-				z[k * padded + i] = inverse * r[k * padded + i];
-			}
-		}
-		for ( int p = 0; p < m_motion.parts().count(); ++p )
-		{
-			if ( m_motion.hasShape( p ) )
-			{
-				m_motion.addAffine( m_inverse[std::size_t( p )] * m_motion.affineSums( r, p ), z, p );
-			}
-		}
-	}
-
-private:
-	ImplicitMotion& m_motion;
-	TaskRunner* m_runner;
-	std::vector<Matrix12> m_inverse;
-};
-
-} // namespace
 
 bool Body::canStepImplicitly() const
 {
@@ -193,24 +147,6 @@ TouchedNodes& Body::joinByContacts()
 const ConnectedParts* Body::matchedParts() const
 {
 	return m_material.method == Method::Lattice ? &static_cast<const LatticeMatcher&>( *m_matcher ).parts() : nullptr;
-}
-
-int Body::solveAlone( TaskRunner* runner )
-{
-	AloneSystem system( *m_implicit, runner );
-	AlignedArray<float> v( static_cast<std::size_t>( system.size() ) );
-	m_implicit->copyVelocities( v.data() );
-	double mass = 0.0;
-	for ( const float m : m_nodes.mass )
-	{
-		mass += double( m );
-	}
-	ConjugateGradients gradients;
-	const int count = gradients.solve( system, m_implicit->rightSide(), v.data(),
-		GradientLimits{ kGradientFraction, mass * double( kGradientSpeed ) * double( kGradientSpeed ), kMostGradients } );
-	m_implicit->setNodeVelocities( v.data() );
-	m_implicit->keepMomentum();
-	return count;
 }
 
 } // namespace pliant

@@ -110,10 +110,8 @@ public:
 	/// A node's position relative to the mass centre of its part, m.
 	Eigen::Vector3d arm( int node ) const;
 
-	/// Corrects the momentum error Q^T( m v* - m v ) of the solver's tolerance and rounding by a rigid motion of each part, Q the rigid
-	/// motions. For a body without contacts.
-	void keepMomentum();
-	/// Q^T( m v* - m v ): momentum at the substep's start plus that of external forces, less the nodes' current momentum.
+	/// Q^T( m v* - m v ), Q the rigid motions: momentum at the substep's start plus that of external forces, less the nodes' current
+	/// momentum. It is the error of the solver's tolerance and rounding where nothing touches the body.
 	Vector6 missingMomentum( int part = 0 ) const;
 	/// Adds a rigid motion to the nodes' velocities.
 	void addMotion( const Vector6& motion, int part = 0 );

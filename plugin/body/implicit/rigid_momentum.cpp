@@ -52,17 +52,6 @@ void ImplicitMotion::addMotion( const Vector6& motion, int part )
 	} );
 }
 
-void ImplicitMotion::keepMomentum()
-{
-	for ( int p = 0; p < parts().count(); ++p )
-	{
-		if ( !isHeld( p ) )
-		{
-			addMotion( rigidMotion( missingMomentum( p ), p ), p );
-		}
-	}
-}
-
 void ImplicitMotion::giveMomentum( const float* impulse, float* velocity ) const
 {
 	const NodeState& nodes = *m_nodes;
