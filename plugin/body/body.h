@@ -295,8 +295,6 @@ public:
 	void nodeFlow( float* stretches ) const;
 	/// Bytes of the body's state and matching, and of the lattice and tables shared with others of its template.
 	std::size_t bytes() const;
-	/// Fraction of inverted cells, by their eight-corner frames, among those that can be tested.
-	float invertedFraction() const;
 
 	// --- saving (body/state/): one description writes and reads --------------------------------------------------------
 	/// The data of a template that its bodies share.

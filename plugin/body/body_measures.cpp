@@ -205,45 +205,4 @@ void Body::nodeFlow( float* stretches ) const
 	m_matcher->nodeFlow( m_nodes.count, stretches );
 }
 
-float Body::invertedFraction() const
-{
-	if ( m_levels )
-	{
-		// A node's region is inverted when its F is.
-		std::vector<float> gradients( std::size_t( m_nodes.padded ) * 9 );
-		nodeDeformations( gradients.data() );
-		int turned = 0;
-		for ( int i = 0; i < m_nodes.count; ++i )
-		{
-			turned += Eigen::Map<const Eigen::Matrix3f>( gradients.data() + 9 * std::size_t( i ) ).determinant() > 0.0f ? 0 : 1;
-		}
-		return float( turned ) / float( m_nodes.count );
-	}
-	// A cell's frame: the mean of the edge vectors to its links along each axis, where they exist. Inverted unless their determinant is
-	// positive.
-	int tested = 0, inverted = 0;
-	for ( int i = 0; i < m_nodes.count; ++i )
-	{
-		Eigen::Matrix3f now = Eigen::Matrix3f::Zero(), rest = Eigen::Matrix3f::Zero();
-		for ( std::uint32_t k = m_lattice->linkStart[i]; k < m_lattice->linkStart[i + 1]; ++k )
-		{
-			const int j = int( m_lattice->linkTo[k] );
-			const Eigen::Vector3i step = m_lattice->coordinate[j].cast<int>() - m_lattice->coordinate[i].cast<int>();
-			if ( step.cwiseAbs().sum() != 1 )
-			{
-				continue;
-			}
-			const int axis = step.x() != 0 ? 0 : step.y() != 0 ? 1 : 2;
-			now.col( axis ) += float( step.sum() ) * ( m_nodes.x.get( j ) - m_nodes.x.get( i ) );
-			rest.col( axis ) += float( step.sum() ) * ( m_nodes.x0.get( j ) - m_nodes.x0.get( i ) );
-		}
-		if ( rest.determinant() > 0.0f )
-		{
-			++tested;
-			inverted += now.determinant() > 0.0f ? 0 : 1;
-		}
-	}
-	return tested == 0 ? 0.0f : float( inverted ) / float( tested );
-}
-
 } // namespace pliant

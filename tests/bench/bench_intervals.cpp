@@ -1,7 +1,7 @@
 // Steinemann et al. 2008: the cost of distances, regions and their changes for each node, and of a fast sum for each region.
 
 #include "adapt/octree/bucket_moore.h"
-#include "adapt/regions/hierarchical_sum.h"
+#include "support/breadth_sum.h"
 #include "support/shapes.h"
 
 #include <benchmark/benchmark.h>
@@ -112,7 +112,7 @@ void fastSum( benchmark::State& state )
 	for ( auto _ : state )
 	{
 		depthSum( plan, records.data() );
-		breadthSum( plan, records.data(), sums.data(), 0, plan.slots );
+		test::breadthSum( plan, records.data(), sums.data() );
 		benchmark::DoNotOptimize( sums.data() );
 	}
 	report( state, plan.slots );

@@ -1,9 +1,9 @@
 // A body that breaks: conserved totals over its pieces, and each piece as an independent body. Ohta et al. 2009, "Fracturing".
 
 #include "body/breaking.h"
-#include "body/levels/levels.h"
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
+#include "support/inverted_fraction.h"
 #include "support/pulled_bar.h"
 #include "support/shapes.h"
 
@@ -294,7 +294,7 @@ TEST( Breaking, PiecesHaveTheFarLevelsOfTheirLength )
 		{
 			ASSERT_EQ( substep( *piece.body, 1.0f / 240.0f, 1.0f ), BodyHealth::Good );
 		}
-		EXPECT_EQ( piece.body->invertedFraction(), 0.0f );
+		EXPECT_EQ( test::invertedFraction( *piece.body ), 0.0f );
 		add( after, *piece.body );
 	}
 	EXPECT_LT( ( after.momentum - before.momentum ).norm(), 1e-5 * before.momentum.norm() );

@@ -4,6 +4,7 @@
 #include "support/block_body.h"
 #include "support/block_lattice.h"
 #include "support/explicit_material.h"
+#include "support/inverted_fraction.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>
@@ -354,7 +355,7 @@ TEST( Levels, RecoverFromAnyShapeWithTheInitialNodes )
 			EXPECT_GT( most, 2 * before );
 			EXPECT_EQ( body->nodeCount(), before ) << "start " << int( start ) << ", kappa " << kappa;
 			EXPECT_LT( test::shapeError( *body ), 1e-5 );
-			EXPECT_EQ( body->invertedFraction(), 0.0f );
+			EXPECT_EQ( test::invertedFraction( *body ), 0.0f );
 		}
 	}
 }

@@ -30,6 +30,24 @@ Soup soupOf( const Mesh& mesh )
 	return soup;
 }
 
+/// The sum over every triangle: tan( Omega / 2 ) = a . ( b x c ) / ( |a||b||c| + ( a . b ) |c| + ( b . c ) |a| + ( c . a ) |b| ).
+double windingAt( const std::vector<Vec3d>& position, const std::vector<Triangle>& triangle, const Vec3d& point )
+{
+	double sum = 0.0;
+	for ( const Triangle& t : triangle )
+	{
+		const Vec3d a = position[t[0]] - point, b = position[t[1]] - point, c = position[t[2]] - point;
+		const double la = a.norm(), lb = b.norm(), lc = c.norm();
+		sum += std::atan2( a.dot( b.cross( c ) ), la * lb * lc + a.dot( b ) * lc + b.dot( c ) * la + c.dot( a ) * lb );
+	}
+	return sum / ( 2.0 * 3.14159265358979 );
+}
+
+double windingAt( const Soup& soup, const Vec3d& point )
+{
+	return windingAt( soup.position, soup.triangle, point );
+}
+
 std::vector<Vec3d> randomPoints( int count, double reach )
 {
 	std::vector<Vec3d> points;
@@ -56,7 +74,7 @@ TEST( WindingNumber, TreeAgreesWithTheSum )
 		const WindingTree tree( soup.position, soup.triangle );
 		for ( const Vec3d& p : randomPoints( 500, 1.5 ) )
 		{
-			EXPECT_NEAR( tree.at( p ), tree.exactlyAt( p ), 0.05 );
+			EXPECT_NEAR( tree.at( p ), windingAt( soup, p ), 0.05 );
 		}
 	}
 }
@@ -69,7 +87,7 @@ TEST( WindingNumber, OneInsideNoneOutside )
 	{
 		if ( std::abs( p.norm() - 1.0 ) > 0.01 )
 		{
-			EXPECT_NEAR( tree.exactlyAt( p ), p.norm() < 1.0 ? 1.0 : 0.0, 1e-9 );
+			EXPECT_NEAR( windingAt( soup, p ), p.norm() < 1.0 ? 1.0 : 0.0, 1e-9 );
 			EXPECT_NEAR( tree.at( p ), p.norm() < 1.0 ? 1.0 : 0.0, 0.05 );
 		}
 	}
@@ -78,15 +96,18 @@ TEST( WindingNumber, OneInsideNoneOutside )
 TEST( WindingNumber, FlippedIsNegativeAndTwiceIsTwo )
 {
 	const Soup once = soupOf( flipped( makeSphere( 1.0, 16, 32 ) ) );
-	EXPECT_NEAR( WindingTree( once.position, once.triangle ).exactlyAt( Vec3d::Zero() ), -1.0, 1e-6 );
+	EXPECT_NEAR( windingAt( once, Vec3d::Zero() ), -1.0, 1e-6 );
+	EXPECT_NEAR( WindingTree( once.position, once.triangle ).at( Vec3d::Zero() ), -1.0, 0.05 );
 	const Soup twice = soupOf( joined( makeSphere( 1.0, 16, 32 ), makeSphere( 0.5, 16, 32 ) ) );
-	EXPECT_NEAR( WindingTree( twice.position, twice.triangle ).exactlyAt( Vec3d::Zero() ), 2.0, 1e-6 );
+	EXPECT_NEAR( windingAt( twice, Vec3d::Zero() ), 2.0, 1e-6 );
+	EXPECT_NEAR( WindingTree( twice.position, twice.triangle ).at( Vec3d::Zero() ), 2.0, 0.05 );
 }
 
 TEST( WindingNumber, AHemisphereIsHalfAtItsMiddle )
 {
 	const Soup bowl = soupOf( without( makeSphere( 1.0, 32, 64 ), []( std::size_t t ) { return t % 62 >= 31; } ) );
-	EXPECT_NEAR( WindingTree( bowl.position, bowl.triangle ).exactlyAt( Vec3d::Zero() ), 0.5, 1e-6 );
+	EXPECT_NEAR( windingAt( bowl, Vec3d::Zero() ), 0.5, 1e-6 );
+	EXPECT_NEAR( WindingTree( bowl.position, bowl.triangle ).at( Vec3d::Zero() ), 0.5, 0.05 );
 }
 
 TEST( WindingNumber, CountingAndCapsGiveTheSameAsTheWholeSum )
@@ -101,7 +122,6 @@ TEST( WindingNumber, CountingAndCapsGiveTheSameAsTheWholeSum )
 	cleanTriangles( welded, report );
 	const std::vector<RimEdge> rim = orientTriangles( welded, report );
 	ASSERT_EQ( rim.size(), 64u );
-	const WindingTree whole( welded.position, welded.triangle );
 	const InsideField field( welded, rim );
 	ASSERT_FALSE( field.isSoup() );
 	for ( const Vec3d& p : randomPoints( 300, 1.3 ) )
@@ -111,7 +131,7 @@ TEST( WindingNumber, CountingAndCapsGiveTheSameAsTheWholeSum )
 		if ( std::abs( p.norm() - 1.0 ) > 0.02 && std::abs( p.z() - top ) > 0.02 )
 		{
 			const int count = p.norm() < 1.0 && p.z() < top ? 1 : 0;
-			EXPECT_NEAR( field.winding( count, p ), whole.exactlyAt( p ), 0.05 );
+			EXPECT_NEAR( field.winding( count, p ), windingAt( welded.position, welded.triangle, p ), 0.05 );
 		}
 	}
 }

@@ -7,6 +7,7 @@
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
 #include "support/block_lattice.h"
+#include "support/inverted_fraction.h"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -150,7 +151,7 @@ TEST_P( Clusters, ComeBackFromAnything )
 		{
 			ASSERT_EQ( test::substep( *body, kStep, 0.3f ), BodyHealth::Good );
 		}
-		EXPECT_EQ( body->invertedFraction(), 0.0f );
+		EXPECT_EQ( test::invertedFraction( *body ), 0.0f );
 		EXPECT_LT( test::shapeError( *body ), 2e-3 ) << "mangle " << &mangle - mangles;
 	}
 }

@@ -104,14 +104,4 @@ void depthSumHalf( const SumPlan& plan, float* records )
 	sumVirtualNodes<kSumFloats / 2>( plan, records );
 }
 
-void breadthSum( const SumPlan& plan, const float* records, float* sums, int first, int end )
-{
-	const std::uint32_t* const term = plan.term.data();
-	for ( int r = first; r < end; ++r )
-	{
-		addRecords<kSumFloats>(
-			records, term + plan.start[std::size_t( r )], term + plan.start[std::size_t( r ) + 1], sums + std::size_t( r ) * kSumFloats );
-	}
-}
-
 } // namespace pliant

@@ -30,7 +30,4 @@ void depthSum( const SumPlan& plan, float* records );
 /// The same for records of half as many floats.
 void depthSumHalf( const SumPlan& plan, float* records );
 
-/// Writes the sums of regions first .. end - 1 to sums + r kSumFloats. Regions are independent of one another.
-void breadthSum( const SumPlan& plan, const float* records, float* sums, int first, int end );
-
 } // namespace pliant

@@ -193,16 +193,6 @@ double WindingTree::workAt( const Vec3d& point ) const
 	return work;
 }
 
-double WindingTree::exactlyAt( const Vec3d& point ) const
-{
-	AngleSum sum;
-	for ( const auto& corner : m_corners )
-	{
-		addHalfSolidAngle( corner, point, sum );
-	}
-	return 2.0 * sum.angle() / kWholeSphere;
-}
-
 namespace {
 
 /// Compares the signs of the volumes that the segment spans with the triangle's edges and that its ends span with the triangle.

@@ -22,9 +22,6 @@ public:
 	/// Number of triangles and clusters that at() visits.
 	double workAt( const Vec3d& point ) const;
 
-	/// The sum over every triangle, without the tree: the reference implementation.
-	double exactlyAt( const Vec3d& point ) const;
-
 	/// True where any triangle meets the segment between two points.
 	bool isCrossed( const Vec3d& from, const Vec3d& to ) const;
 

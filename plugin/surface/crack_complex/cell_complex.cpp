@@ -131,24 +131,4 @@ Status validate( const CellComplex& complex )
 	return {};
 }
 
-Status validateClosed( const CellComplex& complex )
-{
-	for ( std::uint32_t cell = 0; cell < complex.cellCount(); ++cell )
-	{
-		std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-		forTriangles( complex, cell, [&]( const std::array<std::uint32_t, 3>& corner ) {
-			for ( std::size_t k = 0; k < 3; ++k )
-			{
-				const std::uint32_t a = corner[k], b = corner[( k + 1 ) % 3];
-				edges[std::minmax( a, b )] += a < b ? 1 : -1;
-			}
-		} );
-		if ( std::any_of( edges.begin(), edges.end(), []( const auto& edge ) { return edge.second != 0; } ) )
-		{
-			return broken( "A cell's pieces and faces do not close." );
-		}
-	}
-	return {};
-}
-
 } // namespace pliant

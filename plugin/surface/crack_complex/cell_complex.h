@@ -107,7 +107,5 @@ Status check( const CrackSettings& settings );
 
 /// Checks all invariants of the tables. The sentence names the first one violated.
 Status validate( const CellComplex& complex );
-/// Checks that the pieces and faces of each cell form a closed surface; true for exact faces of a closed mesh.
-Status validateClosed( const CellComplex& complex );
 
 } // namespace pliant

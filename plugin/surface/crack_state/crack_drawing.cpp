@@ -186,12 +186,6 @@ std::uint32_t CrackSurface::normalGroupFor( Side& side, bool isInside )
 	return known;
 }
 
-std::uint32_t CrackSurface::inputVertexOf( std::uint32_t vertex ) const
-{
-	const std::uint32_t kind = m_vertex[vertex].kind;
-	return kind < m_complex->inputVertices ? kind : kNone;
-}
-
 std::pair<std::uint32_t, std::uint32_t> CrackSurface::sideOf( std::uint32_t vertex ) const
 {
 	return { m_point[m_vertex[vertex].point], m_vertex[vertex].group };

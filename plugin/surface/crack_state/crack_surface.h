@@ -71,8 +71,6 @@ public:
 	const std::vector<std::array<std::uint32_t, 3>>& triangles() const { return m_triangle; }
 	/// By triangle: the input's triangle, or kNone for the inside.
 	const std::vector<std::uint32_t>& sources() const { return m_source; }
-	/// By vertex: the input's vertex, or kNone for an added one.
-	std::uint32_t inputVertexOf( std::uint32_t vertex ) const;
 	/// A vertex of the complex; kInside and above for a vertex of a crack face.
 	std::uint32_t kindOf( std::uint32_t vertex ) const { return m_vertex[vertex].kind; }
 	/// A point of the complex and one of its sides. Vertices of equal result coincide, although their normals and texture coordinates may

@@ -5,6 +5,7 @@
 
 #include "lattice/inside/inside_distance.h"
 #include "support/block_lattice.h"
+#include "support/inverted_fraction.h"
 #include "support/shapes.h"
 
 #include <algorithm>
@@ -238,7 +239,7 @@ TEST( SelfCollision, ACrushedSlabUnfoldsAgain )
 		nodes.x.set( i, nodes.x.get( i ).cwiseProduct( Vec3( 1, 0.1f, 1 ) ) );
 	}
 	test.run( 300 );
-	EXPECT_EQ( soft->impl().body->invertedFraction(), 0.0f );
+	EXPECT_EQ( test::invertedFraction( *soft->impl().body ), 0.0f );
 	const btTransform fit = soft->bestFitTransform();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
