@@ -3,7 +3,6 @@
 #include "adapt/constants.h"
 #include "adapt/octree/octree_steps.h"
 #include "lattice/table.h"
-#include "lattice/union_find.h"
 
 #include <algorithm>
 #include <numeric>
@@ -14,37 +13,23 @@ namespace {
 
 using Coordinate = Eigen::Matrix<std::int16_t, 3, 1>;
 
+/// The block of the next coarser level that holds a block.
+Coordinate blockAbove( const Coordinate& c )
+{
+	return { std::int16_t( c.x() >> 1 ), std::int16_t( c.y() >> 1 ), std::int16_t( c.z() >> 1 ) };
+}
+
 /// The order of z, then y, then x.
 bool isBefore( const Coordinate& a, const Coordinate& b )
 {
 	return a.z() != b.z() ? a.z() < b.z() : a.y() != b.y() ? a.y() < b.y() : a.x() < b.x();
 }
 
-/// Joins nodes of one level that share a block of the next coarser level and a link between two of their cells.
-UnionFind joinWithinBlocks(
-	const Octree& octree, const Lattice& lattice, const std::vector<std::uint32_t>& nodeOfCell, std::uint32_t first, std::uint32_t count )
+void addLevel( Octree& octree, std::vector<std::uint32_t>& nodeOfCell, const JoinNodes& join )
 {
+	const std::uint32_t first = octree.levelStart[octree.levels - 1], count = std::uint32_t( octree.parent.size() ) - first;
 	UnionFind parts( count );
-	for ( std::uint32_t cell = 0; cell < std::uint32_t( lattice.cellCount() ); ++cell )
-	{
-		const std::uint32_t node = nodeOfCell[cell];
-		for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
-		{
-			const std::uint32_t other = nodeOfCell[lattice.linkTo[k]];
-			if ( other > node && blockAbove( octree.coordinate[node] ) == blockAbove( octree.coordinate[other] ) )
-			{
-				parts.join( node - first, other - first );
-			}
-		}
-	}
-	return parts;
-}
-
-/// Appends the level above the one that starts at `first`.
-void addLevel( Octree& octree, const Lattice& lattice, std::vector<std::uint32_t>& nodeOfCell, std::uint32_t first )
-{
-	const std::uint32_t count = std::uint32_t( octree.parent.size() ) - first;
-	UnionFind parts = joinWithinBlocks( octree, lattice, nodeOfCell, first, count );
+	join( octree, nodeOfCell, parts );
 
 	// One node per part, by block, then by lowest child.
 	std::vector<std::uint32_t> lowest;
@@ -159,10 +144,18 @@ Status validateCells( const Octree& octree, const Lattice& lattice )
 
 } // namespace
 
-void orderOctree( Octree& octree )
+void joinByLinks(
+	const Octree& octree, const Lattice& lattice, const std::vector<std::uint32_t>& nodeOfCell, std::uint32_t cell, UnionFind& parts )
 {
-	listChildren( octree );
-	orderCells( octree );
+	const std::uint32_t node = nodeOfCell[cell], first = octree.levelStart[octree.levels - 1];
+	for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
+	{
+		const std::uint32_t other = nodeOfCell[lattice.linkTo[k]];
+		if ( other > node && blockAbove( octree.coordinate[node] ) == blockAbove( octree.coordinate[other] ) )
+		{
+			parts.join( node - first, other - first );
+		}
+	}
 }
 
 // m = sum m_c, x0 = sum m_c x0_c / m (Ohta et al. 2009, "Preprocessing").
@@ -192,16 +185,7 @@ void measureNode( Octree& octree, const Lattice& lattice, std::uint32_t n )
 		float( spread( 0, 2 ) ), float( spread( 0, 1 ) ) };
 }
 
-void allocateMeasures( Octree& octree )
-{
-	const std::size_t nodes = octree.parent.size();
-	octree.mass.resize( nodes );
-	octree.restCentre.resize( nodes );
-	octree.spread.resize( nodes );
-	octree.isSurface.resize( nodes );
-}
-
-Octree buildOctree( const Lattice& lattice, int coarseLevels )
+Octree assembleOctree( const Lattice& lattice, int coarseLevels, const JoinNodes& join )
 {
 	Octree octree;
 	const std::uint32_t cells = std::uint32_t( lattice.cellCount() );
@@ -212,10 +196,27 @@ Octree buildOctree( const Lattice& lattice, int coarseLevels )
 	std::iota( nodeOfCell.begin(), nodeOfCell.end(), 0u );
 	for ( int level = 0; level < std::min( coarseLevels, kMaxCoarseLevels ); ++level )
 	{
-		addLevel( octree, lattice, nodeOfCell, octree.levelStart[level] );
+		addLevel( octree, nodeOfCell, join );
 	}
-	orderOctree( octree );
-	allocateMeasures( octree );
+	listChildren( octree );
+	orderCells( octree );
+	const std::size_t nodes = octree.parent.size();
+	octree.mass.resize( nodes );
+	octree.restCentre.resize( nodes );
+	octree.spread.resize( nodes );
+	octree.isSurface.resize( nodes );
+	return octree;
+}
+
+Octree buildOctree( const Lattice& lattice, int coarseLevels )
+{
+	const auto join = [&lattice]( const Octree& octree, const std::vector<std::uint32_t>& nodeOfCell, UnionFind& parts ) {
+		for ( std::uint32_t cell = 0; cell < std::uint32_t( lattice.cellCount() ); ++cell )
+		{
+			joinByLinks( octree, lattice, nodeOfCell, cell, parts );
+		}
+	};
+	Octree octree = assembleOctree( lattice, coarseLevels, join );
 	for ( std::uint32_t n = 0; n < std::uint32_t( octree.nodeCount() ); ++n )
 	{
 		measureNode( octree, lattice, n );

@@ -3,22 +3,23 @@
 // The steps of building an octree, shared with its update.
 
 #include "adapt/octree/octree.h"
+#include "lattice/union_find.h"
+
+#include <functional>
 
 namespace pliant {
 
-/// The block of the next coarser level that holds a block.
-inline Eigen::Matrix<std::int16_t, 3, 1> blockAbove( const Eigen::Matrix<std::int16_t, 3, 1>& c )
-{
-	return { std::int16_t( c.x() >> 1 ), std::int16_t( c.y() >> 1 ), std::int16_t( c.z() >> 1 ) };
-}
+/// Joins nodes of the highest level that belong to one part of a block of the next level. `nodeOfCell`: of that level; `parts`: its nodes.
+using JoinNodes = std::function<void( const Octree& octree, const std::vector<std::uint32_t>& nodeOfCell, UnionFind& parts )>;
 
-/// Computes children and the depth-first order of the cells from `parent` and `levelStart`.
-void orderOctree( Octree& octree );
+/// Joins a node to those of its block to which links of one of its cells lead.
+void joinByLinks(
+	const Octree& octree, const Lattice& lattice, const std::vector<std::uint32_t>& nodeOfCell, std::uint32_t cell, UnionFind& parts );
 
-/// Allocates the measures of each node.
-void allocateMeasures( Octree& octree );
+/// Builds all but the measures of the nodes, which are allocated.
+Octree assembleOctree( const Lattice& lattice, int coarseLevels, const JoinNodes& join );
 
-/// Computes mass, centre, spread and surface flag of one node from its cells; the arrays must be allocated.
+/// Computes mass, centre, spread and surface flag of one node from its cells.
 void measureNode( Octree& octree, const Lattice& lattice, std::uint32_t node );
 
 } // namespace pliant
