@@ -18,14 +18,6 @@ using test::RandomCut;
 
 constexpr std::uint32_t kFar = 0xffffffffu;
 
-void expectEqual( const VisibilityGraph& a, const VisibilityGraph& b )
-{
-	EXPECT_EQ( a.start, b.start );
-	EXPECT_EQ( a.to, b.to );
-	EXPECT_EQ( a.length, b.length );
-	EXPECT_EQ( a.longest, b.longest );
-}
-
 std::vector<std::uint32_t> dijkstra( const VisibilityGraph& graph, std::uint32_t source )
 {
 	std::vector<std::uint32_t> least( std::size_t( graph.count() ), kFar );
@@ -224,49 +216,6 @@ TEST( VisibilityGraph, NoEdgeCrossesBetweenFingers )
 	}
 }
 
-TEST( VisibilityGraph, ChangedStepByStepIsTheOneBuiltFromNothing )
-{
-	for ( unsigned seed = 1; seed <= 8; ++seed )
-	{
-		const Lattice lattice = seed % 4 == 0 ? makeFingers( 8, 4, 8 ) : makeRandomBlob( seed, 18 );
-		const Octree octree = buildOctree( lattice, 2 + int( seed % 3 ) );
-		RandomCut switches( octree, seed );
-		Cut cut = switches.cut();
-		VisibilityGraph graph = buildVisibilityGraph( lattice, octree, cut );
-		for ( int round = 0; round < 12; ++round )
-		{
-			switches.turn( 1 + 3 * ( round % 4 ) );
-			const Cut next = switches.cut();
-			VisibilityUpdate update = updateVisibilityGraph( lattice, octree, cut, graph, next );
-			expectEqual( update.graph, buildVisibilityGraph( lattice, octree, next ) );
-			graph = std::move( update.graph );
-			cut = next;
-		}
-	}
-}
-
-TEST( CutChange, FindsWhatStayed )
-{
-	const Lattice lattice = makeRandomBlob( 5 );
-	const Octree octree = buildOctree( lattice, 3 );
-	RandomCut switches( octree, 7 );
-	const Cut from = switches.cut();
-	switches.turn( 10 );
-	const Cut to = switches.cut();
-	const CutChange change = compareCuts( octree, from, to );
-	const std::set<std::uint32_t> old( from.node.begin(), from.node.end() ), now( to.node.begin(), to.node.end() );
-	for ( std::size_t slot = 0; slot < to.node.size(); ++slot )
-	{
-		ASSERT_EQ( change.before[slot] != kNoNode, old.count( to.node[slot] ) != 0 );
-		EXPECT_TRUE( change.before[slot] == kNoNode || from.node[change.before[slot]] == to.node[slot] );
-	}
-	for ( std::size_t slot = 0; slot < from.node.size(); ++slot )
-	{
-		ASSERT_EQ( change.after[slot] != kNoNode, now.count( from.node[slot] ) != 0 );
-		EXPECT_TRUE( change.after[slot] == kNoNode || to.node[change.after[slot]] == from.node[slot] );
-	}
-}
-
 TEST( BucketMoore, FindsTheDistancesOfDijkstra )
 {
 	BucketMoore search; // one scratch memory for all graphs and sources
@@ -295,29 +244,6 @@ TEST( BucketMoore, FindsTheDistancesOfDijkstra )
 				}
 			}
 		}
-	}
-}
-
-TEST( BucketMoore, FromSeveralIsTheNearestOfThem )
-{
-	const Lattice lattice = makeRandomBlob( 4 );
-	const Octree octree = buildOctree( lattice, 2 );
-	const VisibilityGraph graph = buildVisibilityGraph( lattice, octree, RandomCut( octree, 2 ).cut() );
-	const std::vector<std::uint32_t> sources = { 3, 40, 41, 3 };
-	BucketMoore search;
-	std::vector<std::uint32_t> found( std::size_t( graph.count() ), kFar );
-	for ( const BucketMoore::Reached& r : search.fromAll( graph, sources, 1000 ) )
-	{
-		found[r.node] = r.distance;
-	}
-	for ( std::size_t i = 0; i < found.size(); ++i )
-	{
-		std::uint32_t wanted = kFar;
-		for ( const std::uint32_t s : sources )
-		{
-			wanted = std::min( wanted, dijkstra( graph, s )[i] );
-		}
-		EXPECT_EQ( found[i], wanted );
 	}
 }
 

@@ -1,4 +1,4 @@
-// Steinemann et al. 2008: the cost of distances, regions and their changes for each node, and of a fast sum for each region.
+// Steinemann et al. 2008: the cost of distances and regions for each node, and of a fast sum for each region.
 
 #include "adapt/octree/bucket_moore.h"
 #include "support/breadth_sum.h"
@@ -74,35 +74,6 @@ void graphFromNothing( benchmark::State& state )
 	report( state, blob.cut.count() );
 }
 
-/// Splits as many coarse nodes as there are, up to `range`, and merges them again: graph, regions and matrix each time.
-void touchAndRelease( benchmark::State& state )
-{
-	const BlobOfLevels blob( 1.0 );
-	std::vector<std::uint32_t> split;
-	for ( const std::uint32_t node : blob.cut.node )
-	{
-		if ( node >= blob.octree.levelStart[1] && int( split.size() ) < state.range( 0 ) )
-		{
-			split.push_back( node );
-		}
-	}
-	const Cut fine = changeCut( blob.octree, blob.cut, split, {} );
-	const std::vector<std::uint32_t> fineWidth = intervalWidths( blob.octree, fine, 1.0f );
-	const IntervalRegions coarse = findIntervalRegions( blob.input(), blob.width, kIntervalEps );
-	std::size_t searched = 0;
-	for ( auto _ : state )
-	{
-		const VisibilityUpdate change = updateVisibilityGraph( blob.lattice, blob.octree, blob.cut, blob.graph, fine );
-		const IntervalInput input{ blob.octree, fine, change.graph };
-		const IntervalUpdate update = updateIntervalRegions( blob.input(), input, change.change, coarse, fineWidth );
-		searched = update.searched.size();
-		benchmark::DoNotOptimize( buildIntervalRegions( blob.octree, fine, update.regions, IntervalWeights::Conserving ).member.size() );
-	}
-	report( state, double( searched ) );
-	state.counters["new_nodes"] = double( fine.count() - blob.cut.count() + int( split.size() ) );
-	state.counters["nodes"] = double( fine.count() );
-}
-
 void fastSum( benchmark::State& state )
 {
 	const BlobOfLevels blob( double( state.range( 0 ) ) );
@@ -123,7 +94,6 @@ void fastSum( benchmark::State& state )
 BENCHMARK( distances )->Name( "intervals/distances" )->Arg( 1 )->Arg( 2 )->Unit( benchmark::kMicrosecond );
 BENCHMARK( regionsFromNothing )->Name( "intervals/regions" )->Arg( 1 )->Arg( 2 )->Unit( benchmark::kMicrosecond );
 BENCHMARK( graphFromNothing )->Name( "intervals/graph" )->Unit( benchmark::kMicrosecond );
-BENCHMARK( touchAndRelease )->Name( "intervals/touch" )->Arg( 1 )->Arg( 10 )->Arg( 50 )->Unit( benchmark::kMicrosecond );
 BENCHMARK( fastSum )->Name( "intervals/sum" )->Arg( 1 )->Arg( 2 )->Unit( benchmark::kMicrosecond );
 
 } // namespace

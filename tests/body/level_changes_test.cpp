@@ -81,7 +81,7 @@ void expectChangesAsFromNothing( const Adaptivity& settings, Material material )
 							 [&merge]( std::uint32_t node ) { return std::find( merge.begin(), merge.end(), node ) != merge.end(); } ),
 				taken.end() );
 			taken.insert( taken.end(), split.begin(), split.end() );
-			const LevelRegions regions = buildLevelRegions( *base, *lattice, changing.cut(), material, settings );
+			const LevelRegions regions = buildLevelRegions( RegionInput{ *base, *lattice, material, settings }, changing.cut() );
 			expectSameTables( *changing.tables(),
 				*buildLevelTables( *base, *lattice, changing.cut(), regions, LevelSettings{ material, settings, everywhere } ) );
 		}

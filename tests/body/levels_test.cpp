@@ -181,7 +181,7 @@ TEST( Levels, IncrementalTablesEqualNewOnes )
 		}
 		body->changeLevels( split, {} );
 		const Cut& cut = body->levels()->cut();
-		const LevelRegions regions = buildLevelRegions( *base, *lattice, cut, material, settings );
+		const LevelRegions regions = buildLevelRegions( RegionInput{ *base, *lattice, material, settings }, cut );
 		const auto wanted = buildLevelTables( *base, *lattice, cut, regions, LevelSettings{ material, settings, {} } );
 		const RegionTables& got = *body->levels()->tables();
 		EXPECT_EQ( got.beta, wanted->beta );

@@ -194,7 +194,7 @@ void nodeExperiment()
 				adaptivity.intervalSlack = eps;
 				const std::shared_ptr<const LevelBase> base = buildLevelBase( *lattice, material, adaptivity );
 				const Cut cut = firstCut( base->octree, adaptivity );
-				const LevelRegions regions = buildLevelRegions( *base, *lattice, cut, material, adaptivity );
+				const LevelRegions regions = buildLevelRegions( RegionInput{ *base, *lattice, material, adaptivity }, cut );
 				std::printf( "   %7.2f of %6.1f", double( regions.plan->term.size() ) / cut.count(),
 					double( regions.matrix->member.size() ) / cut.count() );
 			}

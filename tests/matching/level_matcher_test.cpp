@@ -45,8 +45,8 @@ protected:
 		base = buildLevelBase( lattice, material, settings );
 		cut = firstCut( base->octree, settings );
 		settings.hierarchicalSums = c.hierarchical;
-		tables = buildLevelTables(
-			*base, lattice, cut, buildLevelRegions( *base, lattice, cut, material, settings ), LevelSettings{ material, settings, {} } );
+		tables = buildLevelTables( *base, lattice, cut, buildLevelRegions( RegionInput{ *base, lattice, material, settings }, cut ),
+			LevelSettings{ material, settings, {} } );
 	}
 
 	/// Displaced at random by a tenth of a cell, and moving.

@@ -15,21 +15,6 @@ const std::vector<BucketMoore::Reached>& BucketMoore::from( const VisibilityGrap
 	return m_reached;
 }
 
-const std::vector<BucketMoore::Reached>& BucketMoore::fromAll(
-	const VisibilityGraph& graph, const std::vector<std::uint32_t>& sources, std::uint32_t limit )
-{
-	begin( graph );
-	if ( limit > 0 )
-	{
-		for ( const std::uint32_t source : sources )
-		{
-			insert( source, 0, 0 );
-		}
-		run( graph, limit );
-	}
-	return m_reached;
-}
-
 /// Step 1: nothing is marked, every d_min is infinite; k = 0.
 void BucketMoore::begin( const VisibilityGraph& graph )
 {

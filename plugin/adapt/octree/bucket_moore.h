@@ -20,9 +20,6 @@ public:
 	/// Returns all nodes closer to `source` than `limit`, by distance, each once, the source first. Valid until the next search.
 	const std::vector<Reached>& from( const VisibilityGraph& graph, std::uint32_t source, std::uint32_t limit );
 
-	/// The same from several nodes at once: distances to the nearest of them.
-	const std::vector<Reached>& fromAll( const VisibilityGraph& graph, const std::vector<std::uint32_t>& sources, std::uint32_t limit );
-
 private:
 	struct Tentative
 	{

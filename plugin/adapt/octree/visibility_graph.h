@@ -35,25 +35,6 @@ struct VisibilityGraph
 
 VisibilityGraph buildVisibilityGraph( const Lattice& lattice, const Octree& octree, const Cut& cut );
 
-/// Maps the slots of two cuts that have the same node.
-struct CutChange
-{
-	std::vector<std::uint32_t> before; ///< of each slot now: its former one, or kNoNode
-	std::vector<std::uint32_t> after;  ///< of each former slot: its slot now, or kNoNode
-};
-
-CutChange compareCuts( const Octree& octree, const Cut& from, const Cut& to );
-
-struct VisibilityUpdate
-{
-	VisibilityGraph graph; ///< equal to the one built from scratch
-	CutChange change;
-};
-
-/// Steinemann et al. 2008, section 5.2: removes edges at removed nodes, adds those of new nodes and renumbers all others.
-VisibilityUpdate updateVisibilityGraph(
-	const Lattice& lattice, const Octree& octree, const Cut& from, const VisibilityGraph& graph, const Cut& to );
-
 /// Centre of a node's block and half its edge, half cells.
 struct NodeBlock
 {

@@ -82,22 +82,6 @@ void symmetrize( const IntervalInput& input, IntervalRegions& regions )
 
 } // namespace
 
-std::vector<std::uint32_t> intervalWidths( const Octree& octree, const Cut& cut, const std::vector<float>& halfWidthOfCell )
-{
-	std::vector<std::uint32_t> width;
-	width.reserve( cut.node.size() );
-	for ( const std::uint32_t node : cut.node )
-	{
-		double sum = 0.0;
-		for ( std::uint32_t k = octree.cellStart[node]; k < octree.cellStart[node] + octree.cellCount[node]; ++k )
-		{
-			sum += double( halfWidthOfCell[octree.cells[k]] );
-		}
-		width.push_back( std::uint32_t( std::round( spacingOf( octree, node ) * std::max( 1.0, sum / octree.cellCount[node] ) ) ) );
-	}
-	return width;
-}
-
 std::vector<std::uint32_t> intervalWidths( const Octree& octree, const Cut& cut, float halfWidth )
 {
 	std::vector<std::uint32_t> width;
@@ -127,12 +111,7 @@ IntervalRegions findIntervalRegions( const IntervalInput& input, std::vector<std
 	IntervalRegions regions;
 	regions.eps = eps;
 	regions.width = std::move( width );
-	std::vector<std::uint32_t> slots( input.cut.node.size() );
-	for ( std::uint32_t slot = 0; slot < std::uint32_t( slots.size() ); ++slot )
-	{
-		slots[slot] = slot;
-	}
-	Rows rows = searchRows( input, regions, slots, runner );
+	Rows rows = searchRows( input, regions, runner );
 	regions.ownStart = std::move( rows.start );
 	regions.own = std::move( rows.entry );
 	symmetrize( input, regions );

@@ -16,9 +16,6 @@ class TaskRunner;
 /// Returns w_i of each slot, half cells: `halfWidth` cells of the node's own level, w 2^l, at least 1 to include its neighbours.
 std::vector<std::uint32_t> intervalWidths( const Octree& octree, const Cut& cut, float halfWidth );
 
-/// The same for a half-width that varies in space (Fig. 4), given for each finest cell: the mean over the node's cells.
-std::vector<std::uint32_t> intervalWidths( const Octree& octree, const Cut& cut, const std::vector<float>& halfWidthOfCell );
-
 struct IntervalRegions
 {
 	float eps = kIntervalEps;
@@ -50,18 +47,6 @@ struct IntervalInput
 /// `runner` may be null. The result stores the widths.
 IntervalRegions findIntervalRegions(
 	const IntervalInput& input, std::vector<std::uint32_t> width, float eps, TaskRunner* runner = nullptr );
-
-struct IntervalUpdate
-{
-	IntervalRegions regions;             ///< equal to those found from scratch
-	std::vector<std::uint32_t> searched; ///< slots for which steps 1 and 2 were repeated, ascending
-};
-
-/// N_update. The paper updates new nodes and those whose region held a removed one (5.2). That misses nodes whose paths between w and ( 1 +
-/// eps ) w used a removed node's edges, and those within reach of a new node. Here every node is searched again that had a removed node, or
-/// has a new one, closer than ( 1 + eps ) w_i, or whose width has changed.
-IntervalUpdate updateIntervalRegions( const IntervalInput& from, const IntervalInput& to, const CutChange& change,
-	const IntervalRegions& old, std::vector<std::uint32_t> width, TaskRunner* runner = nullptr );
 
 /// Simulation nodes under an octree node: slots first .. end - 1. Only for nodes of the cut and above it.
 struct SlotSpan

@@ -50,18 +50,18 @@ private:
 
 } // namespace
 
-Rows searchRows( const IntervalInput& input, const IntervalRegions& regions, const std::vector<std::uint32_t>& slots, TaskRunner* runner )
+Rows searchRows( const IntervalInput& input, const IntervalRegions& regions, TaskRunner* runner )
 {
-	const std::uint32_t count = std::uint32_t( slots.size() );
+	const std::uint32_t count = std::uint32_t( input.cut.count() );
 	const std::uint32_t tasks = ( count + kRegionsPerTask - 1 ) / kRegionsPerTask;
 	std::vector<Rows> parts( tasks );
 	auto search = [&]( int task ) {
 		RegionSearch scratch( input );
 		Rows& rows = parts[std::size_t( task )];
 		const std::uint32_t first = std::uint32_t( task ) * kRegionsPerTask;
-		for ( std::uint32_t k = first; k < std::min( count, first + kRegionsPerTask ); ++k )
+		for ( std::uint32_t slot = first; slot < std::min( count, first + kRegionsPerTask ); ++slot )
 		{
-			scratch.append( slots[k], regions.width[slots[k]], regions.eps, rows.entry );
+			scratch.append( slot, regions.width[slot], regions.eps, rows.entry );
 			rows.close();
 		}
 	};

@@ -1,6 +1,6 @@
 #pragma once
 
-// Steps 1 and 2 of Steinemann et al. 2008, section 4.2, for any slots: shared by the construction and the update of regions.
+// Steps 1 and 2 of Steinemann et al. 2008, section 4.2.
 
 #include "adapt/regions/interval_regions.h"
 
@@ -83,8 +83,8 @@ struct Rows
 	void close() { start.push_back( std::uint32_t( entry.size() ) ); }
 };
 
-/// Own rows of some slots, computed in parallel, in their order.
-Rows searchRows( const IntervalInput& input, const IntervalRegions& regions, const std::vector<std::uint32_t>& slots, TaskRunner* runner );
+/// Own rows of all slots, computed in parallel.
+Rows searchRows( const IntervalInput& input, const IntervalRegions& regions, TaskRunner* runner );
 
 /// Appends the largest octree nodes whose simulation nodes are all in `slots` (ascending), in depth-first order.
 void appendLargest( const IntervalInput& input, const std::vector<std::uint32_t>& slots, Cover& cover, std::vector<std::uint32_t>& nodes );

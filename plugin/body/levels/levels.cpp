@@ -15,7 +15,7 @@ Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, c
 	const std::vector<float>& stiffness, Cut cut ) :
 	Levels( std::move( base ), lattice, settings, stiffness, std::move( cut ), {}, nullptr )
 {
-	m_regions = buildLevelRegions( *m_base, lattice, m_cut, material, settings );
+	m_regions = buildLevelRegions( RegionInput{ *m_base, lattice, material, m_settings }, m_cut );
 	m_tables = buildLevelTables( *m_base, lattice, m_cut, m_regions, LevelSettings{ material, m_settings, stiffness } );
 	prepareScratch();
 }

@@ -61,59 +61,45 @@ Cut firstCut( const Octree& octree, const Adaptivity& settings )
 		octree, [&]( std::uint32_t node ) { return !( settings.isSurfaceFine && octree.isSurface[node] != 0 ) && byMass( node ); } );
 }
 
-namespace {
-
-/// Matrix and sum plan of Steinemann's regions, stored with their graph for the next change.
-LevelRegions fromIntervals( const RegionInput& input, const Cut& cut, VisibilityGraph graph, IntervalRegions intervals )
+LevelRegions buildLevelRegions( const RegionInput& input, const Cut& cut )
 {
+	const Octree& octree = input.base.octree;
+	const bool conserves = input.material.weights == Weights::Conserving;
 	LevelRegions regions;
-	const IntervalWeights weights = input.material.weights == Weights::Conserving ? IntervalWeights::Conserving : IntervalWeights::Literal;
-	regions.matrix = std::make_shared<RegionMatrix>( buildIntervalRegions( input.base.octree, cut, intervals, weights ) );
-	if ( input.settings.hierarchicalSums )
+	switch ( input.settings.regions )
 	{
-		regions.plan = std::make_shared<const SumPlan>( planSums( input.base.octree, cut, intervals ) );
+		case RegionRule::Multiplicity:
+			regions.matrix = std::make_shared<RegionMatrix>( buildMultiplicityRegions( octree, cut, input.base.fine ) );
+			break;
+		case RegionRule::Union:
+			regions.matrix = std::make_shared<RegionMatrix>(
+				buildUnionRegions( octree, cut, input.base.fine, conserves ? UnionWeights::Conserving : UnionWeights::Literal ) );
+			break;
+		case RegionRule::Interval: {
+			const VisibilityGraph graph = buildVisibilityGraph( input.lattice, octree, cut );
+			const IntervalRegions intervals = findIntervalRegions( IntervalInput{ octree, cut, graph },
+				intervalWidths( octree, cut, float( input.material.regionHalfWidth ) ), input.settings.intervalSlack, input.tasks );
+			regions.matrix = std::make_shared<RegionMatrix>(
+				buildIntervalRegions( octree, cut, intervals, conserves ? IntervalWeights::Conserving : IntervalWeights::Literal ) );
+			if ( input.settings.hierarchicalSums )
+			{
+				regions.plan = std::make_shared<const SumPlan>( planSums( octree, cut, intervals ) );
+			}
+			break;
+		}
 	}
-	regions.graph = std::make_shared<const VisibilityGraph>( std::move( graph ) );
-	regions.intervals = std::make_shared<const IntervalRegions>( std::move( intervals ) );
 	return regions;
-}
-
-} // namespace
-
-LevelRegions buildLevelRegions(
-	const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings )
-{
-	if ( settings.regions == RegionRule::Interval )
-	{
-		VisibilityGraph graph = buildVisibilityGraph( lattice, base.octree, cut );
-		IntervalRegions intervals = findIntervalRegions( IntervalInput{ base.octree, cut, graph },
-			intervalWidths( base.octree, cut, float( material.regionHalfWidth ) ), settings.intervalSlack );
-		return fromIntervals( RegionInput{ base, lattice, material, settings }, cut, std::move( graph ), std::move( intervals ) );
-	}
-	const UnionWeights weights = material.weights == Weights::Conserving ? UnionWeights::Conserving : UnionWeights::Literal;
-	RegionMatrix matrix = settings.regions == RegionRule::Union ? buildUnionRegions( base.octree, cut, base.fine, weights )
-																: buildMultiplicityRegions( base.octree, cut, base.fine );
-	return LevelRegions{ std::make_shared<RegionMatrix>( std::move( matrix ) ), nullptr };
 }
 
 LevelRegions updateLevelRegions( const RegionInput& input, const Cut& from, const LevelRegions& regions, const Cut& to )
 {
-	const Octree& octree = input.base.octree;
-	switch ( input.settings.regions )
+	if ( input.settings.regions != RegionRule::Multiplicity )
 	{
-		case RegionRule::Multiplicity:
-			return LevelRegions{ std::make_shared<RegionMatrix>(
-									 updateMultiplicityRegions( octree, from, *regions.matrix, to, input.base.fine, input.scratch ) ),
-				nullptr };
-		case RegionRule::Interval: {
-			VisibilityUpdate sight = updateVisibilityGraph( input.lattice, octree, from, *regions.graph, to );
-			const IntervalInput before{ octree, from, *regions.graph }, after{ octree, to, sight.graph };
-			IntervalUpdate update = updateIntervalRegions( before, after, sight.change, *regions.intervals,
-				intervalWidths( octree, to, float( input.material.regionHalfWidth ) ), input.tasks );
-			return fromIntervals( input, to, std::move( sight.graph ), std::move( update.regions ) );
-		}
-		default: return buildLevelRegions( input.base, input.lattice, to, input.material, input.settings );
+		return buildLevelRegions( input, to );
 	}
+	return LevelRegions{ std::make_shared<RegionMatrix>(
+							 updateMultiplicityRegions( input.base.octree, from, *regions.matrix, to, input.base.fine, input.scratch ) ),
+		nullptr };
 }
 
 } // namespace pliant

@@ -61,14 +61,7 @@ struct LevelRegions
 {
 	std::shared_ptr<const RegionMatrix> matrix;
 	std::shared_ptr<const SumPlan> plan; ///< null: the matrix is summed
-	// For RegionRule::Interval only: input of the next cut's regions.
-	std::shared_ptr<const VisibilityGraph> graph{};
-	std::shared_ptr<const IntervalRegions> intervals{};
 };
-
-/// Builds the regions of a cut from scratch.
-LevelRegions buildLevelRegions(
-	const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings );
 
 /// Input of building the regions of a cut.
 struct RegionInput
@@ -81,7 +74,10 @@ struct RegionInput
 	MatrixScratch* scratch = nullptr; ///< for RegionRule::Multiplicity; may be null
 };
 
-/// Returns the regions of cut `to`, given those of cut `from`: equal to a build from scratch. Union regions are always built from scratch.
+/// Builds the regions of a cut from scratch.
+LevelRegions buildLevelRegions( const RegionInput& input, const Cut& cut );
+
+/// Returns the regions of cut `to`, given those of cut `from`: equal to a build from scratch, which other rules than multiplicity do.
 LevelRegions updateLevelRegions( const RegionInput& input, const Cut& from, const LevelRegions& regions, const Cut& to );
 
 /// The tables before a change of levels: unchanged rows need not be measured again.

@@ -15,7 +15,7 @@ ReferenceLevelMatcher::ReferenceLevelMatcher(
 	const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings ) :
 	m_base( base ),
 	m_lattice( lattice ), m_cut( cut ), m_material( material ), m_settings( settings ),
-	m_matrix( *buildLevelRegions( base, lattice, cut, material, settings ).matrix ), m_region( cut.node.size() ),
+	m_matrix( *buildLevelRegions( RegionInput{ base, lattice, material, settings }, cut ).matrix ), m_region( cut.node.size() ),
 	m_residual( cut.node.size(), Vec3d::Zero() )
 {
 	for ( std::uint32_t r = 0; r < std::uint32_t( cut.count() ); ++r )
