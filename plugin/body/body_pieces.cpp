@@ -113,8 +113,7 @@ Material rigidMaterial( const Material& original )
 std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceBuild build )
 {
 	const std::vector<CellLink> broken = brokenLinks();
-	const bool areFew = ( broken.size() + m_healedLinks.size() ) * kFewLinks < std::size_t( m_lattice->cellCount() );
-	const std::vector<std::uint32_t> touched = m_levels || areFew ? cellsOf( broken, m_healedLinks ) : std::vector<std::uint32_t>();
+	const std::vector<std::uint32_t> touched = m_levels ? cellsOf( broken, m_healedLinks ) : std::vector<std::uint32_t>();
 	report = reportOn( broken );
 	report.broken = broken;
 	report.hasHealed = !m_healedLinks.empty();
@@ -125,9 +124,7 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceBui
 	{
 		m_breaking->broken.clear();
 	}
-	const bool growsFromTouched = m_isOnePart && areFew && !touched.empty();
-	std::vector<std::vector<std::uint32_t>> parts = byMass(
-		*whole, growsFromTouched ? connectedParts( *whole, touched ) : connectedParts( *whole ) );
+	std::vector<std::vector<std::uint32_t>> parts = byMass( *whole, connectedParts( *whole ) );
 	removeSmall( parts, report );
 	const bool isMerged = parts.size() > std::size_t( most );
 	mergeSurplus( parts, std::size_t( most ) );

@@ -107,29 +107,6 @@ Lattice withLinks( const Lattice& lattice, const std::vector<CellLink>& links )
 	return result;
 }
 
-namespace {
-
-/// Groups cells by their set; set numbers are arbitrary.
-std::vector<std::vector<std::uint32_t>> groupBySet( const std::vector<std::uint32_t>& sets )
-{
-	constexpr std::uint32_t kNone = ~0u;
-	std::vector<std::uint32_t> partOf( sets.size(), kNone );
-	std::vector<std::vector<std::uint32_t>> cells;
-	for ( std::uint32_t cell = 0; cell < std::uint32_t( sets.size() ); ++cell )
-	{
-		std::uint32_t& part = partOf[sets[cell]];
-		if ( part == kNone )
-		{
-			part = std::uint32_t( cells.size() );
-			cells.emplace_back();
-		}
-		cells[part].push_back( cell );
-	}
-	return cells;
-}
-
-} // namespace
-
 // Rows store both directions: each cell considers only lower neighbours.
 std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice )
 {
@@ -147,94 +124,19 @@ std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice )
 			}
 		}
 	}
-	std::vector<std::uint32_t> setOf( count );
+	std::vector<std::size_t> partOf( count, count ); // of each set, by its number
+	std::vector<std::vector<std::uint32_t>> cells;
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
-		setOf[i] = sets.find( i );
-	}
-	return groupBySet( setOf );
-}
-
-namespace {
-
-/// Breadth-first searches from several seeds in lockstep.
-class LockstepSearch
-{
-public:
-	LockstepSearch( const Lattice& lattice, const std::vector<std::uint32_t>& seeds ) :
-		m_lattice( lattice ), m_own( std::size_t( lattice.cellCount() ), kNone ), m_sets( seeds.size() ), m_pending( seeds.size(), 1 ),
-		m_active( seeds.size() ), m_queue( seeds )
-	{
-		for ( std::size_t k = 0; k < seeds.size(); ++k )
+		std::size_t& part = partOf[sets.find( i )];
+		if ( part == count )
 		{
-			m_own[seeds[k]] = std::uint32_t( k );
+			part = cells.size();
+			cells.emplace_back();
 		}
+		cells[part].push_back( i );
 	}
-
-	/// Runs until a single search remains, which owns all cells not reached.
-	void grow()
-	{
-		for ( std::size_t at = 0; m_active > 1 && at < m_queue.size(); ++at )
-		{
-			const std::uint32_t cell = m_queue[at];
-			std::uint32_t own = m_sets.find( m_own[cell] );
-			for ( std::uint32_t k = m_lattice.linkStart[cell]; k < m_lattice.linkStart[cell + 1]; ++k )
-			{
-				const std::uint32_t to = m_lattice.linkTo[k];
-				if ( m_own[to] == kNone )
-				{
-					m_own[to] = own;
-					m_queue.push_back( to );
-					++m_pending[own];
-				}
-				else if ( const std::uint32_t other = m_sets.find( m_own[to] ); other != own )
-				{
-					m_sets.join( own, other );
-					const int both = m_pending[own] + m_pending[other];
-					m_active -= m_pending[other] > 0 ? 1 : 0; // this cell is still pending in its own set
-					own = m_sets.find( own );
-					m_pending[own] = both;
-				}
-			}
-			m_active -= --m_pending[own] == 0 ? 1 : 0;
-		}
-	}
-
-	/// Returns the set of each cell. Cells that no search has reached belong to the remaining search.
-	std::vector<std::uint32_t> sets()
-	{
-		std::uint32_t rest = 0;
-		for ( std::uint32_t set = 0; set < std::uint32_t( m_pending.size() ); ++set )
-		{
-			rest = m_sets.find( set ) == set && m_pending[set] > 0 ? set : rest;
-		}
-		std::vector<std::uint32_t> of;
-		of.reserve( m_own.size() );
-		for ( const std::uint32_t own : m_own )
-		{
-			of.push_back( own == kNone ? rest : m_sets.find( own ) );
-		}
-		return of;
-	}
-
-private:
-	static constexpr std::uint32_t kNone = ~0u;
-
-	const Lattice& m_lattice;
-	std::vector<std::uint32_t> m_own; ///< of each cell: the seed from which it was reached
-	UnionFind m_sets;                 ///< of seeds
-	std::vector<int> m_pending;       ///< of each set: cells in the queue
-	std::size_t m_active;             ///< number of sets with cells in the queue
-	std::vector<std::uint32_t> m_queue;
-};
-
-} // namespace
-
-std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice, const std::vector<std::uint32_t>& seeds )
-{
-	LockstepSearch search( lattice, seeds );
-	search.grow();
-	return groupBySet( search.sets() );
+	return cells;
 }
 
 Lattice extractCells( const Lattice& lattice, const std::vector<std::uint32_t>& cells )

@@ -31,10 +31,6 @@ Lattice withLinks( const Lattice& lattice, const std::vector<CellLink>& links );
 /// Returns the cells of each connected part, ascending; parts in the order of their lowest cells.
 std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice );
 
-/// The same for a lattice that was connected before it lost links. `seeds` are the ends of all lost links, each once, so that every part
-/// contains a seed. The searches from all seeds run in lockstep, and those around a small cut soon meet at its edge.
-std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice, const std::vector<std::uint32_t>& seeds );
-
 /// Returns some cells of a lattice (ascending, whole connected parts) as a lattice of its own about its own mass centre. Coordinates are
 /// kept, so that the blocks of coarser levels stay the same.
 Lattice extractCells( const Lattice& lattice, const std::vector<std::uint32_t>& cells );

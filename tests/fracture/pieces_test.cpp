@@ -48,37 +48,6 @@ std::vector<CellLink> someLinks( const Lattice& lattice, double fraction, unsign
 	return links;
 }
 
-/// Growing from the ends of the removed links; the reference implementation visits all cells.
-TEST( Pieces, AreFoundFromWhatWasCut )
-{
-	const Lattice block = makeBlockLattice( 9, 7, 5, 0.1f );
-	std::size_t whole = 0, apart = 0;
-	for ( unsigned round = 0; round < 120; ++round )
-	{
-		// A slit, a complete cut, two of them, and more and more random links, until single cells come off.
-		std::vector<CellLink> links = round % 4 < 3 ? linksAcross( block, 1 + int( round % 8 ) ) : std::vector<CellLink>();
-		links.resize( round % 4 == 0 ? links.size() / 2 : links.size() );
-		for ( const std::vector<CellLink>& more :
-			{ round % 4 == 2 ? linksAcross( block, 8 ) : links, round % 4 == 3 ? someLinks( block, 0.2 + 0.006 * round, round ) : links } )
-		{
-			links.insert( links.end(), more.begin(), more.end() );
-		}
-		std::sort( links.begin(), links.end() );
-		links.erase( std::unique( links.begin(), links.end() ), links.end() );
-		std::set<std::uint32_t> ends;
-		for ( const CellLink& link : links )
-		{
-			ends.insert( { link.a, link.b } );
-		}
-		const Lattice open = withoutLinks( block, links );
-		const auto expected = connectedParts( open );
-		EXPECT_EQ( connectedParts( open, std::vector<std::uint32_t>( ends.begin(), ends.end() ) ), expected ) << round;
-		++( expected.size() == 1 ? whole : apart );
-	}
-	EXPECT_GT( whole, 30u );
-	EXPECT_GT( apart, 50u );
-}
-
 TEST( Pieces, ACutThroughABarLeavesTwoWholeLattices )
 {
 	const Lattice bar = makeBlockLattice( 6, 3, 3, 0.1f );
