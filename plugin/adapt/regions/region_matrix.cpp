@@ -4,7 +4,6 @@
 #include "lattice/table.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace pliant {
 

@@ -8,7 +8,6 @@
 #include "lattice/table.h"
 
 #include <algorithm>
-#include <array>
 
 namespace pliant {
 

@@ -7,7 +7,6 @@
 #include "lattice/guarded_tasks.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace pliant {
 

@@ -4,8 +4,6 @@
 
 #include "surface/constants.h"
 
-#include <cmath>
-
 namespace pliant {
 
 namespace {

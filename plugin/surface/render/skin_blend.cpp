@@ -3,8 +3,6 @@
 #include "matching/rotation.h"
 #include "surface/kernels/skin_kernels.h"
 
-#include <algorithm>
-
 namespace pliant {
 
 namespace {

@@ -1,7 +1,5 @@
 #include "surface/render/skin_tables.h"
 
-#include <type_traits>
-
 namespace pliant {
 
 namespace {

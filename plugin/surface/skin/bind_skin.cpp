@@ -7,7 +7,6 @@
 #include "lattice/union_find.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cassert>
 #include <functional>
-#include <iterator>
 
 namespace pliant {
 

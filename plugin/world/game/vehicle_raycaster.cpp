@@ -7,7 +7,6 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletDynamics/Vehicle/btRaycastVehicle.h>
 
-#include <algorithm>
 #include <vector>
 
 namespace pliant {

@@ -12,7 +12,6 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace pliant {

@@ -3,7 +3,6 @@
 
 #include "world/block/island_block.h"
 
-#include <algorithm>
 #include <type_traits>
 
 namespace pliant {

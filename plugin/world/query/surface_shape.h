@@ -11,7 +11,6 @@
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
 
 #include <atomic>
-#include <memory>
 #include <mutex>
 #include <vector>
 

@@ -12,7 +12,6 @@
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace pliant {
 

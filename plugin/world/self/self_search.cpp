@@ -7,7 +7,6 @@
 #include "world/constants.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace pliant {
 

@@ -7,7 +7,6 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 namespace pliant {
