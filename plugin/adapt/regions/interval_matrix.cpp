@@ -8,11 +8,6 @@ namespace pliant {
 
 namespace {
 
-std::uint32_t inUnits( double cells )
-{
-	return std::uint32_t( std::max( 1.0, std::round( cells / kMassUnit ) ) );
-}
-
 void listMembers( const Octree& octree, const Cut& cut, const IntervalRegions& intervals, RegionMatrix& matrix )
 {
 	const std::vector<SlotSpan> spans = slotSpans( octree, cut );
@@ -61,7 +56,7 @@ RegionMatrix buildIntervalRegions( const Octree& octree, const Cut& cut, const I
 		// Membership is symmetric: the row of a also lists the regions that hold it.
 		const std::uint32_t first = matrix.start[a], end = matrix.start[a + 1];
 		const double mass = octree.mass[cut.node[a]];
-		unit.push_back( inUnits( weights == IntervalWeights::Literal ? mass : mass / double( end - first ) ) );
+		unit.push_back( inMassUnits( weights == IntervalWeights::Literal ? mass : mass / double( end - first ) ) );
 		double owners = 0.0; // M_a
 		for ( std::uint32_t k = first; k < end && weights == IntervalWeights::ConservingByMass; ++k )
 		{
@@ -79,7 +74,8 @@ RegionMatrix buildIntervalRegions( const Octree& octree, const Cut& cut, const I
 			break;
 		case IntervalWeights::Conserving: setConserving( matrix, [&]( std::uint32_t a, std::uint32_t ) { return unit[a]; } ); break;
 		case IntervalWeights::ConservingByMass:
-			setConserving( matrix, [&]( std::uint32_t a, std::uint32_t r ) { return inUnits( perMass[a] * octree.mass[cut.node[r]] ); } );
+			setConserving(
+				matrix, [&]( std::uint32_t a, std::uint32_t r ) { return inMassUnits( perMass[a] * octree.mass[cut.node[r]] ); } );
 			break;
 	}
 	matrix.unit.assign( cut.node.size(), kMassUnit );
