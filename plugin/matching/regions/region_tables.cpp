@@ -67,8 +67,8 @@ std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, c
 	tables->usesLinks = !tables->usesGrid && material.regionHalfWidth == 1;
 	if ( tables->usesGrid || tables->usesLinks )
 	{
-		tables->regions.start = {};
-		tables->regions.member = {};
+		std::vector<std::uint32_t>().swap( tables->regions.start ); // an assignment of {} would keep their memory
+		std::vector<std::uint32_t>().swap( tables->regions.member );
 	}
 	if ( !tables->usesGrid )
 	{

@@ -41,7 +41,7 @@ void SharedCrackState::startSides( TaskRunner* runner )
 {
 	m_sides = std::make_unique<CrackSides>( m_patches, m_whole ? *m_whole : *m_unbroken, runner );
 	m_whole.reset();
-	m_texture = {};
+	std::vector<float>().swap( m_texture );
 }
 
 /// Creates the growing surface, unless there is one or patches are used.
