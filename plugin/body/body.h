@@ -293,8 +293,6 @@ public:
 	/// Whether rest shapes have flowed, and each node's plastic stretch, 9 floats per node, row-major: the goals of its region are R S_p.
 	bool hasFlowed() const;
 	void nodeFlow( float* stretches ) const;
-	/// Bytes of the body's state and matching, and of the lattice and tables shared with others of its template.
-	std::size_t bytes() const;
 
 	// --- saving (body/state/): one description writes and reads --------------------------------------------------------
 	/// The data of a template that its bodies share.

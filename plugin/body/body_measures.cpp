@@ -115,14 +115,6 @@ Placement Body::bestFit( const Eigen::Quaterniond& guess ) const
 	return Placement{ fitRotation( moment, guess ), m_nodes.origin + whole.centre };
 }
 
-std::size_t Body::bytes() const
-{
-	const std::size_t floats = std::size_t( m_nodes.padded ) * 11 + m_nodes.force.x.size() * 3 + m_lastFinite.size() +
-		m_positionScratch.size();
-	return floats * sizeof( float ) + m_matcher->bytes() + m_matcher->sharedBytes() + m_lattice->bytes() +
-		( m_levels ? m_levels->bytes() : 0 );
-}
-
 std::uint32_t Body::ownCell( std::uint32_t first ) const
 {
 	if ( m_firstCell.empty() )

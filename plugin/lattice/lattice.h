@@ -54,12 +54,6 @@ struct Lattice
 
 	int cellCount() const { return int( fill.size() ); }
 	int linkCount() const { return int( linkTo.size() / 2 ); }
-	std::size_t bytes() const
-	{
-		const std::size_t perCell = sizeof( coordinate[0] ) + sizeof( float ) + sizeof( Vec3 ) + sizeof( std::uint8_t );
-		return fill.size() * perCell + ( patch.size() + edgeFace.size() ) * sizeof( ContactPatch ) +
-			( edgeFaceStart.size() + linkStart.size() + linkTo.size() ) * sizeof( std::uint32_t );
-	}
 };
 
 /// Writes or reads a lattice; one that is not valid is refused.

@@ -73,11 +73,6 @@ public:
 
 	/// Writes or reads the data that one substep passes to the next; a matcher without it is refused.
 	virtual void archive( Archive& archive );
-
-	/// Bytes held, including buffers, without data shared with other bodies.
-	virtual std::size_t bytes() const = 0;
-	/// Bytes shared with other bodies of the same template and settings.
-	virtual std::size_t sharedBytes() const { return 0; }
 };
 
 } // namespace pliant

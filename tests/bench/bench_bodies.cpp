@@ -6,6 +6,7 @@
 #include "pliant/body_template.h"
 #include "support/block_body.h"
 #include "support/explicit_material.h"
+#include "support/memory_in_use.h"
 
 #include <benchmark/benchmark.h>
 
@@ -77,6 +78,7 @@ void stepBody( benchmark::State& state, const BodyTemplate& body, int halfWidth 
 		nodes.v.set( i, Vec3( 0, 0, 1 ).cross( nodes.x0.get( i ) ) );
 		nodes.x.set( i, nodes.x0.get( i ) * 1.02f );
 	}
+	const std::size_t memoryBefore = test::memoryInUse();
 	LatticeMatcher matcher( body.lattice(), material );
 	const float h = 1.0f / 240.0f;
 	for ( auto _ : state )
@@ -93,7 +95,7 @@ void stepBody( benchmark::State& state, const BodyTemplate& body, int halfWidth 
 	state.counters["nodes"] = nodes.count;
 	state.counters["ns_per_node"] = benchmark::Counter(
 		double( nodes.count ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
-	state.counters["bytes_per_node"] = double( matcher.bytes() + matcher.tables().bytes() ) / nodes.count;
+	state.counters["bytes_per_node"] = double( test::memoryInUse() - memoryBefore ) / nodes.count;
 }
 
 void globStep( benchmark::State& state )

@@ -62,7 +62,6 @@ void buildCellComplex( benchmark::State& state )
 		body.makeComplex();
 	}
 	state.counters["cells"] = double( body.complex->cellCount() );
-	state.counters["MB"] = 1e-6 * double( body.complex->bytes() );
 }
 BENCHMARK( buildCellComplex )->Arg( 0 )->Arg( 1 )->Unit( benchmark::kMillisecond );
 

@@ -8,6 +8,7 @@
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
 #include "support/explicit_material.h"
+#include "support/memory_in_use.h"
 #include "support/shapes.h"
 
 #include <benchmark/benchmark.h>
@@ -74,14 +75,16 @@ void levelsNaive( benchmark::State& state )
 
 void stepLevels( benchmark::State& state, int levels )
 {
-	const std::unique_ptr<Body> body = makeBody( bodyLattice( int( state.range( 0 ) ) ), wide( state ), levels );
+	const std::shared_ptr<const Lattice> lattice = bodyLattice( int( state.range( 0 ) ) );
+	const std::size_t memoryBefore = test::memoryInUse();
+	const std::unique_ptr<Body> body = makeBody( lattice, wide( state ), levels );
 	for ( auto _ : state )
 	{
 		body->accelerateTowardGoals( kLevelStep, 0.5f, nullptr );
 		body->integrate( kLevelStep );
 	}
 	reportLevelsPerNode( state, body->nodeCount() );
-	state.counters["bytes_per_node"] = double( body->bytes() ) / body->nodeCount();
+	state.counters["bytes_per_node"] = double( test::memoryInUse() - memoryBefore ) / body->nodeCount();
 }
 
 void levelsUniform( benchmark::State& state )

@@ -6,6 +6,7 @@
 #include "support/block_body.h"
 #include "support/block_lattice.h"
 #include "support/explicit_material.h"
+#include "support/memory_in_use.h"
 
 #include <benchmark/benchmark.h>
 
@@ -46,6 +47,7 @@ void stepMatcher( benchmark::State& state, int cells, const Material& material, 
 	}
 	const Lattice lattice = makeBlockLattice( cells, cells, cells, 1.0f / float( cells ) );
 	NodeState nodes = lively( lattice );
+	const std::size_t memoryBefore = test::memoryInUse();
 	LatticeMatcher matcher( lattice, material, summation, *kernels );
 	const MatchStep step{ kStep, 0.5f, 10.0f, 1.0f, 0.0f };
 	for ( auto _ : state )
@@ -59,7 +61,7 @@ void stepMatcher( benchmark::State& state, int cells, const Material& material, 
 		}
 	}
 	reportPerNode( state, nodes.count );
-	state.counters["bytes_per_node"] = double( matcher.bytes() + matcher.tables().bytes() ) / nodes.count;
+	state.counters["bytes_per_node"] = double( test::memoryInUse() - memoryBefore ) / nodes.count;
 }
 
 void coreStep( benchmark::State& state )

@@ -1,12 +1,9 @@
 // Adding and removing bodies in all ways that Bullet's users know: they work for soft bodies as for rigid ones.
 
+#include "support/memory_in_use.h"
 #include "world/test_world.h"
 
 #include <BulletCollision/CollisionDispatch/btCompoundCollisionAlgorithm.h>
-
-#ifdef __GLIBC__
-	#include <malloc.h>
-#endif
 
 namespace pliant {
 namespace {
@@ -361,17 +358,6 @@ TEST( Membership, TheInternalTypeMatchesNoOtherLibrarysTest )
 	EXPECT_EQ( btRigidBody::upcast( body.get() ), nullptr );
 }
 
-/// Returns all memory in use, bytes; 0 where it is unknown.
-std::size_t memoryInUse()
-{
-#ifdef __GLIBC__
-	const struct mallinfo2 now = mallinfo2();
-	return now.uordblks + now.hblkhd;
-#else
-	return 0;
-#endif
-}
-
 // A game that loads and frees the same model repeatedly, together with the bodies made of it.
 TEST( Membership, RepeatedLoadingLeaksNothing )
 {
@@ -384,9 +370,9 @@ TEST( Membership, RepeatedLoadingLeaksNothing )
 		t.run( 3 );
 		ASSERT_GT( t.parts.dispatcher.getNumManifolds() + 1, 0 );
 		t.soft.clear();
-		base = k == 20 ? memoryInUse() : base;
+		base = k == 20 ? test::memoryInUse() : base;
 	}
-	EXPECT_LE( double( memoryInUse() ), 1.01 * double( base ) );
+	EXPECT_LE( double( test::memoryInUse() ), 1.01 * double( base ) );
 }
 
 TEST( Membership, ATemplateBuiltOverAndOverTakesTheMemoryOfOne )
@@ -398,9 +384,9 @@ TEST( Membership, ATemplateBuiltOverAndOverTakesTheMemoryOfOne )
 	{
 		made = test::cubeTemplate( 1.0f, kCells );
 		ASSERT_EQ( made->cellCount(), kCells * kCells * kCells );
-		base = k == 5 ? memoryInUse() : base;
+		base = k == 5 ? test::memoryInUse() : base;
 	}
-	EXPECT_LE( double( memoryInUse() ), 1.01 * double( base ) );
+	EXPECT_LE( double( test::memoryInUse() ), 1.01 * double( base ) );
 }
 
 } // namespace

@@ -15,8 +15,6 @@ struct FineMoments
 	/// Covariance of the nine monomials x, y, z, xx, yy, zz, yz, xz, xy about the node's rest centre, each finest region about its own
 	/// mean, summed: the lower triangle row by row. Its first three rows are J_fine.
 	std::vector<std::array<float, 45>> covariance;
-
-	std::size_t bytes() const { return covariance.size() * sizeof( covariance[0] ); }
 };
 
 FineMoments buildFineMoments( const Octree& octree, const Lattice& lattice, const FineRegions& fine );

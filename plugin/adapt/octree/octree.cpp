@@ -249,11 +249,4 @@ Status validate( const Octree& octree, const Lattice& lattice )
 	return {};
 }
 
-std::size_t Octree::bytes() const
-{
-	const std::size_t perNode = sizeof( std::uint32_t ) * 4 + sizeof( coordinate[0] ) + sizeof( double ) + sizeof( Vec3 ) +
-		sizeof( spread[0] ) + 1;
-	return parent.size() * perNode + ( child.size() + cells.size() ) * sizeof( std::uint32_t );
-}
-
 } // namespace pliant

@@ -50,7 +50,6 @@ struct Octree
 		}
 		return level;
 	}
-	std::size_t bytes() const;
 };
 
 /// `coarseLevels`: levels above the finest, 0 to kMaxCoarseLevels.

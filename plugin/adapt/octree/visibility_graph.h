@@ -30,7 +30,6 @@ struct VisibilityGraph
 	int longest = 0;                   ///< of all edges
 
 	int count() const { return start.empty() ? 0 : int( start.size() ) - 1; }
-	std::size_t bytes() const { return ( start.size() + to.size() ) * sizeof( std::uint32_t ) + length.size() * sizeof( std::uint16_t ); }
 };
 
 VisibilityGraph buildVisibilityGraph( const Lattice& lattice, const Octree& octree, const Cut& cut );

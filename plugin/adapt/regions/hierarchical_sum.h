@@ -20,7 +20,6 @@ struct SumPlan
 	std::vector<std::uint32_t> start, term;       ///< of region r: the records of its summation nodes
 
 	int records() const { return slots + virtualNodes; }
-	std::size_t bytes() const { return ( childStart.size() + child.size() + start.size() + term.size() ) * sizeof( std::uint32_t ); }
 };
 
 SumPlan planSums( const Octree& octree, const Cut& cut, const IntervalRegions& intervals );

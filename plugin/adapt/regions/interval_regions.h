@@ -30,10 +30,6 @@ struct IntervalRegions
 	std::vector<std::uint32_t> start, node;
 
 	int count() const { return start.empty() ? 0 : int( start.size() ) - 1; }
-	std::size_t bytes() const
-	{
-		return ( width.size() + ownStart.size() + own.size() + start.size() + node.size() ) * sizeof( std::uint32_t );
-	}
 };
 
 /// Input of the region search.

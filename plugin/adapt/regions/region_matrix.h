@@ -32,7 +32,6 @@ struct RegionMatrix
 	std::vector<double> unit;            ///< of each node: the weight of one unit of its mass, full cells
 
 	int count() const { return start.empty() ? 0 : int( start.size() ) - 1; }
-	std::size_t bytes() const { return ( start.size() + member.size() * 3 ) * sizeof( std::uint32_t ) + unit.size() * sizeof( double ); }
 };
 
 /// unit = mass / sum of fractions, where masses are their transpose: the goals' weights then equal the sums' weights.
@@ -43,11 +42,6 @@ struct FineRegions
 {
 	RegionSet set;                   ///< with its table
 	std::vector<std::uint32_t> mass; ///< m_c / n_c, in kMassUnit, at least 1
-
-	std::size_t bytes() const
-	{
-		return ( set.start.size() + set.member.size() + mass.size() ) * sizeof( std::uint32_t ) + set.size.size() * sizeof( std::uint16_t );
-	}
 };
 
 FineRegions buildFineRegions( const Lattice& lattice, int halfWidth );

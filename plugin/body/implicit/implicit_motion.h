@@ -126,7 +126,6 @@ public:
 	std::optional<Eigen::Matrix3d> arcOf( int part ) const;
 	void copyVelocities( float* v ) const;    ///< current node velocities
 	void setNodeVelocities( const float* v ); ///< of the free nodes
-	std::size_t bytes() const { return m_rightSide.size() * sizeof( float ) + m_rates.bytes(); }
 
 private:
 	void measurePinned();

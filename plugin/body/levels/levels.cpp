@@ -242,17 +242,4 @@ Status Levels::validate() const
 	return status.ok() ? pliant::validate( m_cut, octree() ) : status;
 }
 
-std::size_t Levels::bytes() const
-{
-	const std::size_t cut = ( m_cut.node.size() + m_cut.slotOfCell.size() ) * sizeof( std::uint32_t );
-	const std::size_t change = ( m_change.source.size() + m_change.nodeNow.size() + m_change.keptAs.size() + 4 * m_parts.size() ) *
-		sizeof( std::uint32_t );
-	const std::size_t base = m_scratch.fine.bytes() + ( m_ownsBase ? m_base->fine.bytes() + m_base->moments.bytes() : 0 );
-	// Scratch has the size of the data in use.
-	const std::size_t reviewed = m_reviewed.coarse.size() * sizeof( Reviewed::Coarse ) +
-		m_reviewed.siblings.size() * sizeof( Reviewed::Siblings );
-	return 2 * ( cut + m_tables->bytes() ) + base + change + reviewed + ( m_quiet.size() + m_load.size() ) * sizeof( float ) +
-		m_coarsest.size() + m_pinnedLevel.size();
-}
-
 } // namespace pliant

@@ -146,8 +146,6 @@ public:
 	/// Writes or reads the numbers of the tables; the base belongs to this body alone then.
 	void archiveTables( Archive& archive );
 
-	std::size_t bytes() const;
-
 private:
 	static constexpr int kNoBudget = -1;
 

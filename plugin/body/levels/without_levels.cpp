@@ -56,9 +56,4 @@ Status Levels::validate() const
 	return {};
 }
 
-std::size_t Levels::bytes() const
-{
-	return m_lattice && m_stiffness ? sizeof( Levels ) : 0;
-}
-
 } // namespace pliant

@@ -365,14 +365,6 @@ void ClusterMatcher::nodeRotations( const NodeState& nodes, float* quaternions )
 	}
 }
 
-std::size_t ClusterMatcher::bytes() const
-{
-	return m_clusters.bytes() + m_weight.size() * sizeof( double ) + m_cluster.size() * sizeof( Cluster ) +
-		m_quadratic.size() * sizeof( Quadratic ) + m_pieces.size() * ( sizeof( Piece ) + sizeof( PieceSum ) ) +
-		m_pieceStart.size() * sizeof( std::uint32_t ) + ( m_residual.size() + m_change.size() ) * sizeof( Vec3d ) +
-		m_impulseSum.size() * sizeof( ImpulseSum ) + m_bodySum.size() * sizeof( BodySum );
-}
-
 std::unique_ptr<Matcher> makeClusterMatcher( const Lattice& lattice, const Material& material, const NodeState& nodes )
 {
 	ClusterSet clusters = material.method == Method::SingleCluster ? makeWholeCluster( lattice )

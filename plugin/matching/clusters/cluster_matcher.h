@@ -24,7 +24,6 @@ public:
 	void accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* runner ) override;
 	void nodeRotations( const NodeState& nodes, float* quaternions ) const override;
 	void archive( Archive& archive ) override;
-	std::size_t bytes() const override;
 
 	const ClusterSet& clusters() const { return m_clusters; }
 	/// Goal of each node minus its position, m, in world axes, as of the last `accelerate`.

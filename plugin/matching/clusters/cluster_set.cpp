@@ -146,9 +146,4 @@ ClusterSet makeBoxClusters( const Lattice& lattice, int edge )
 	return set;
 }
 
-std::size_t ClusterSet::bytes() const
-{
-	return ( start.size() + member.size() + coverStart.size() + cover.size() ) * sizeof( std::uint32_t );
-}
-
 } // namespace pliant

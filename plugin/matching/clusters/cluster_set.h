@@ -19,7 +19,6 @@ struct ClusterSet
 
 	int count() const { return int( start.size() ) - 1; }
 	int coverCount( int node ) const { return int( coverStart[node + 1] - coverStart[node] ); }
-	std::size_t bytes() const;
 };
 
 /// One cluster of all nodes, linked or not.

@@ -36,7 +36,6 @@ public:
 	/// returns the number of its products.
 	void begin( LinearSystem& system, const float* r );
 	int iterate( LinearSystem& system, float* x, const GradientLimits& limits );
-	std::size_t bytes() const { return ( m_r.size() + m_z.size() + m_p.size() + m_ap.size() ) * sizeof( float ); }
 
 private:
 	void beginFromResidual( LinearSystem& system );

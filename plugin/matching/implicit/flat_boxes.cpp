@@ -33,9 +33,4 @@ FlatRows FlatBoxes::view()
 	return rows;
 }
 
-std::size_t FlatBoxes::bytes() const
-{
-	return m_rows.size() * sizeof( float ) + ( m_x.size() + m_y.size() ) * sizeof( int );
-}
-
 } // namespace pliant

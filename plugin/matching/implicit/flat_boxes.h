@@ -16,7 +16,6 @@ public:
 	void layOut( int gridX, int gridY, int gridZ, int halfWidth, int padded );
 	/// Returned pointers are valid until the next layOut.
 	FlatRows view();
-	std::size_t bytes() const;
 
 private:
 	AlignedArray<float> m_rows;

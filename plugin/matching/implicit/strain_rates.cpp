@@ -287,12 +287,4 @@ void StrainRates::applyRegions( TaskRunner* runner )
 	sumRates( true, runner );
 }
 
-std::size_t StrainRates::bytes() const
-{
-	return ( m_centres[0].size() * 3 + m_inverseInertias[0].size() * 6 + m_diagonal.size() + m_fraction.size() + m_pull.size() ) *
-		sizeof( float ) +
-		( m_positions.size() + m_strained.size() ) * sizeof( float ) + m_wholes.size() * sizeof( WholePart ) + m_boxes.bytes() +
-		m_partial.size() * sizeof( m_partial[0] );
-}
-
 } // namespace pliant

@@ -78,7 +78,6 @@ public:
 	const WholePart& whole( int part = 0 ) const { return m_wholes[std::size_t( part )]; }
 	/// True where some region is nearly collinear or taut: `resist` then takes two more passes over the nodes.
 	bool hasRaisedRegions() const { return m_isRaised; }
-	std::size_t bytes() const;
 
 private:
 	void measureFractions( const RegionTables& tables );

@@ -38,7 +38,6 @@ struct ConnectedParts
 			work( int( node[k] ) );
 		}
 	}
-	std::size_t bytes() const { return ( start.size() + node.size() + of.size() ) * sizeof( std::uint32_t ); }
 };
 
 /// The parts that are connected by regions.

@@ -229,18 +229,4 @@ RegionMoments computeRegionMoments(
 	return out;
 }
 
-std::size_t RegionMoments::bytes() const
-{
-	std::size_t floats = nodeWeight.size() + inverseCover.size() + regionWeight.size() + inverseMass.size();
-	for ( const auto& array : centre )
-	{
-		floats += array.size();
-	}
-	for ( int k = 0; k < 6; ++k )
-	{
-		floats += moment[k].size() + inverseMoment[k].size();
-	}
-	return floats * sizeof( float );
-}
-
 } // namespace pliant

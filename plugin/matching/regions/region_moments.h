@@ -52,8 +52,6 @@ struct RegionMoments
 
 	/// J_r^+, same order, eigenvalues floored at kMomentFloor of the largest. Empty unless needed (needsInverse).
 	AlignedArray<float> inverseMoment[6];
-
-	std::size_t bytes() const;
 };
 
 /// The pseudo-inverse J^+ of a possibly flat region: axes with less than `floorFraction` of the largest moment are left out of it, and form

@@ -86,22 +86,6 @@ std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, c
 	return tables;
 }
 
-std::size_t RegionTables::bytes() const
-{
-	std::size_t floats = pull.size() + beta.size() + eta.size() + rateFraction.size() + ratePull.size();
-	for ( const auto& entry : blend )
-	{
-		floats += entry.size();
-	}
-	for ( const auto& entry : outOfPlane )
-	{
-		floats += entry.size();
-	}
-	const std::size_t numbers = regions.start.size() + regions.member.size() + slot.size();
-	return ( matrix ? matrix->bytes() : 0 ) + ( plan ? plan->bytes() : 0 ) + moments.bytes() + floats * sizeof( float ) +
-		numbers * sizeof( std::uint32_t ) + regions.size.size() * sizeof( std::uint16_t );
-}
-
 std::shared_ptr<const RegionTables> RegionCache::find( const Lattice& lattice, const Material& material )
 {
 	const std::lock_guard<std::mutex> lock( m_mutex );

@@ -53,7 +53,6 @@ struct RegionTables
 
 	/// Writes or reads all numbers, which depend on how the tables came about in their last bits; the rest follows from the lattice.
 	void archiveNumbers( Archive& archive );
-	std::size_t bytes() const;
 };
 
 /// True where any of the material's settings needs J^+.

@@ -125,17 +125,4 @@ void CoarseToFine::matchLevel( Level& level, const MatchView& body, const Kernel
 	}
 }
 
-std::size_t CoarseToFine::bytes() const
-{
-	std::size_t numbers = m_block.size() + m_record.size() + m_slot.size() + m_stiffness.size() + m_perRecord.size() + m_nodeWeight.size() +
-		m_nodePull.size() + m_freedom.size();
-	for ( const Level& level : m_levels )
-	{
-		constexpr std::size_t perRegion = 4 + 3 + 6 * 3 + 5; // the float arrays of a region
-		numbers += level.childStart.size() + level.child.size() + level.parent.size() + level.regionStart.size() + level.region.size() +
-			std::size_t( level.padded ) * ( perRegion + 1 ) + level.sums.size() * 4;
-	}
-	return numbers * sizeof( float );
-}
-
 } // namespace pliant

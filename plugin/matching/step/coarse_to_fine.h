@@ -48,7 +48,6 @@ public:
 	double eta( int level, int r ) const { return m_levels[level - 1].eta[r]; }
 	/// Writes or reads the data that one substep passes to the next.
 	void archive( Archive& archive );
-	std::size_t bytes() const;
 
 private:
 	struct Level

@@ -387,23 +387,4 @@ float LatticeMatcher::mostVolumeChange() const
 	return most;
 }
 
-std::size_t LatticeMatcher::bytes() const
-{
-	std::size_t bytes = ( m_nodeRecord.size() + m_regionRecord.size() ) * sizeof( float ) + m_open.size() * sizeof( std::uint32_t );
-	for ( int k = 0; k < 4; ++k )
-	{
-		bytes += m_quaternion[k].size() * sizeof( float );
-	}
-	for ( int k = 0; k < 3; ++k )
-	{
-		bytes += ( m_residual[k].size() + m_change[k].size() ) * sizeof( float );
-	}
-	bytes += ( m_strain.size() + m_stretch.size() + 10 * m_volumeSize.size() ) * sizeof( float ) +
-		m_nodeMotion.size() * sizeof( NodeMotion );
-	bytes += ( m_plastic ? m_plastic->bytes() : 0 ) + ( m_far ? m_far->bytes() : 0 );
-	bytes += m_neededNodeTiles.size() + m_neededRegionTiles.size();
-	bytes += m_parts.bytes() + m_partLength.size() * sizeof( float );
-	return bytes + m_partial.size() * sizeof( m_partial[0] ) + m_openCount.size() * sizeof( int );
-}
-
 } // namespace pliant

@@ -39,8 +39,6 @@ public:
 	void accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* runner ) override;
 	void nodeRotations( const NodeState& nodes, float* quaternions ) const override;
 	void archive( Archive& archive ) override;
-	std::size_t bytes() const override; ///< without the shared tables
-	std::size_t sharedBytes() const override { return m_tables->bytes(); }
 	const RegionTables& tables() const { return *m_tables; }
 	/// Incremented whenever the tables are replaced.
 	unsigned tablesVersion() const { return m_tablesVersion; }

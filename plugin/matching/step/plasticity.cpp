@@ -307,9 +307,4 @@ void PlasticFlow::inherit( const PlasticFlow& from, const std::vector<std::uint3
 	}
 }
 
-std::size_t PlasticFlow::bytes() const
-{
-	return ( 6 * m_stretch[0].size() + 6 * m_inverse[0].size() + 9 * m_blend[0].size() ) * sizeof( float );
-}
-
 } // namespace pliant

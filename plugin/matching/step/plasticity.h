@@ -80,7 +80,6 @@ public:
 	Eigen::Matrix3d stretch( int region ) const;
 	/// Writes or reads the shapes of tables that are as they were.
 	void archive( Archive& archive );
-	std::size_t bytes() const;
 
 private:
 	void allocate( const RegionTables& tables );

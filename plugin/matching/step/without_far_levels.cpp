@@ -14,9 +14,4 @@ CoarseToFine::CoarseToFine( const Lattice& lattice, int, const RegionTables&, co
 void CoarseToFine::reset() {}
 void CoarseToFine::match( MatchView&, const FarFractions&, const Kernels&, TaskRunner* ) {}
 
-std::size_t CoarseToFine::bytes() const
-{
-	return m_lattice.fill.empty() ? 0 : sizeof( CoarseToFine );
-}
-
 } // namespace pliant

@@ -36,9 +36,4 @@ Eigen::Matrix3d PlasticFlow::stretch( int ) const
 	return Eigen::Matrix3d::Identity();
 }
 
-std::size_t PlasticFlow::bytes() const
-{
-	return 0;
-}
-
 } // namespace pliant

@@ -155,10 +155,4 @@ Vec3 BladePath::positionOf( std::uint32_t point ) const
 	return near.empty() ? at : moved( point, at, near );
 }
 
-std::size_t BladePath::bytes() const
-{
-	return m_trace.size() * sizeof( CutTrace ) + m_start.size() * sizeof( std::uint32_t ) + m_next.size() * sizeof( m_next[0] ) +
-		m_outward.size() * sizeof( m_outward[0] );
-}
-
 } // namespace pliant

@@ -29,8 +29,6 @@ public:
 	/// Where a point is drawn, relative to the template's mass centre, m. Depends only on the traces and their order.
 	Vec3 positionOf( std::uint32_t point ) const;
 
-	std::size_t bytes() const;
-
 private:
 	struct Near
 	{

@@ -44,19 +44,6 @@ std::uint32_t CellComplex::faceBetween( std::uint32_t a, std::uint32_t b ) const
 	return kNone;
 }
 
-std::size_t CellComplex::bytes() const
-{
-	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
-	const auto sizeOfTable = [&]( const Table& table ) { return sizeOf( table.start ) + sizeOf( table.entry ); };
-	return sizeOf( pointRest ) + sizeOfTable( cellsOfPoint ) + sizeOfTable( facesOfPoint ) + sizeOfTable( pointsOfCell ) +
-		sizeOfTable( pointsOfFace ) + sizeOfTable( boundPoints ) + sizeOf( bindStart ) + sizeOf( bindCell ) + sizeOf( bindWeight ) +
-		sizeOf( vertexPoint ) + sizeOf( addedOrigin ) + sizeOf( vertexNormal ) + sizeOf( cellTriangleStart ) + sizeOf( triangle ) +
-		sizeOf( triangleSource ) + sizeOf( face ) + sizeOf( faceTriangle ) + sizeOf( faceAxis ) + sizeOfTable( facesOfCell ) +
-		sizeOf( panels.corner ) + sizeOf( panels.ofPiece ) + sizeOf( panels.firstOfCell ) + sizeOfTable( panels.points ) +
-		sizeOfTable( panels.atPoint ) + sizeOf( panels.isPlaceable ) + sizeOf( panels.isPlane ) + sizeOf( panels.source ) +
-		sizeOfTable( panels.border ) + sizeOf( panels.isSpared ) + sizeOf( panels.isPlain );
-}
-
 namespace {
 
 bool isTableOf( const Table& table, std::size_t rows, std::size_t numbers )

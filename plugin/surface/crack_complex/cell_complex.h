@@ -99,7 +99,6 @@ public:
 	std::size_t cellCount() const { return cellTriangleStart.size() - 1; }
 	/// The face between two cells; kNone where no material connects them.
 	std::uint32_t faceBetween( std::uint32_t a, std::uint32_t b ) const;
-	std::size_t bytes() const;
 };
 
 /// Returns Ok, or BadSettings with a sentence about the first value that is out of its range (NaN included).

@@ -101,11 +101,6 @@ public:
 	/// True for a panel drawn as the input's triangle: it is one triangle, and all its cuts are spared.
 	bool isPlain( std::uint32_t panel ) const { return arePlaced() && m_isPlain[panel] != 0; }
 
-	std::size_t bytes() const
-	{
-		return m_isIntact.size() + m_isOne.size() + m_isPlaced.size() + m_isTouched.size() + m_isSpared.size() + m_isPlain.size();
-	}
-
 	/// Checks the flags against the points at which more than one side meets and those that broken faces contain.
 	Status validate( const std::function<bool( std::uint32_t )>& isSeparated, const std::function<bool( std::uint32_t )>& isPassed ) const;
 

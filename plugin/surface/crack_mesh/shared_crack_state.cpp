@@ -159,9 +159,4 @@ void SharedCrackState::showWhole( CrackView& view ) const
 	view.growing = m_whole.get();
 }
 
-std::size_t SharedCrackState::bytes() const
-{
-	return m_texture.size() * sizeof( float ) + ( m_whole ? m_whole->bytes() : m_sides ? m_sides->bytes() : 0 );
-}
-
 } // namespace pliant

@@ -43,7 +43,6 @@ public:
 	/// The crack surface of all cells as of the last request; null before the first one and once patches are used.
 	const CrackSurface* whole() const { return m_whole.get(); }
 	const CrackSides* sides() const { return m_sides.get(); }
-	std::size_t bytes() const;
 
 private:
 	std::vector<std::uint32_t> pendingFaces() const;

@@ -249,16 +249,4 @@ void CrackSurface::reserveScratch()
 	more( m_binding.blended, vertices );
 }
 
-std::size_t CrackSurface::bytes() const
-{
-	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
-	return sizeOf( m_cell ) + sizeOf( m_point ) + sizeOf( m_face ) + sizeOf( m_cellFaceStart ) + sizeOf( m_cellFace ) +
-		sizeOf( m_cellTriangle ) + sizeOf( m_slotStart ) + sizeOf( m_slotCell ) + sizeOf( m_slotGroup ) + sizeOf( m_groups ) +
-		sizeOf( m_tieStart ) + sizeOf( m_tie ) + sizeOf( m_vertex ) + sizeOf( m_firstSide ) + sizeOf( m_side ) + sizeOf( m_triangle ) +
-		sizeOf( m_source ) + sizeOf( m_binding.node ) + sizeOf( m_binding.weight ) + sizeOf( m_binding.start ) +
-		sizeOf( m_binding.restPosition ) + sizeOf( m_binding.restNormal ) + sizeOf( m_binding.normalGroup ) + sizeOf( m_binding.carrier ) +
-		sizeOf( m_binding.point ) + sizeOf( m_binding.placed ) + sizeOf( m_binding.blended ) + sizeOf( m_binding.shading ) +
-		sizeOf( m_binding.shadingPlace ) + m_panels.bytes() + sizeOf( m_panelCorner ) + sizeOf( m_mark );
-}
-
 } // namespace pliant

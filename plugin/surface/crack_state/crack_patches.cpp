@@ -312,14 +312,4 @@ void CrackPatches::addLooseTies( std::uint32_t point, const std::vector<std::uin
 	}
 }
 
-std::size_t CrackPatches::bytes() const
-{
-	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
-	return sizeOf( patch ) + sizeOf( vertex ) + sizeOf( appearance ) + sizeOf( triangle ) + sizeOf( pointOfSlot ) +
-		sizeOf( numbersOfSlot ) + sizeOf( numbersOfInput ) + sizeOf( numberOfBorder ) + sizeOf( numbersOfCorners ) + sizeOf( normalShift ) +
-		sizeOf( classOfPoint ) + sizeOf( classesOfCell.start ) + sizeOf( classesOfCell.entry ) + sizeOf( firstOfClass ) +
-		sizeOf( slotTieStart ) + sizeOf( carrierTieStart ) + sizeOf( looseTieStart ) + sizeOf( slotTie ) + sizeOf( carrierTie ) +
-		sizeOf( looseTie ) + sizeOf( bitOfSlot );
-}
-
 } // namespace pliant

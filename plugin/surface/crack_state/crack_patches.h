@@ -88,8 +88,6 @@ public:
 
 	std::shared_ptr<const CellComplex> complex;
 
-	std::size_t bytes() const;
-
 private:
 	explicit CrackPatches( std::shared_ptr<const CellComplex> of ) : complex( std::move( of ) ) {}
 	std::uint32_t slotOf( std::uint32_t point, std::uint32_t cell ) const;

@@ -391,11 +391,4 @@ void CrackSides::reshadeAround( std::uint32_t point )
 	}
 }
 
-std::size_t CrackSides::bytes() const
-{
-	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
-	return sizeOf( m_isBroken ) + sizeOf( m_side ) + sizeOf( m_carriers ) + sizeOf( m_joined ) + 4 * sizeOf( m_isDrawn ) +
-		m_panels.bytes() + sizeOf( m_position );
-}
-
 } // namespace pliant

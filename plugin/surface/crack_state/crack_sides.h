@@ -38,7 +38,6 @@ public:
 
 	const CrackPatches& patches() const { return *m_patches; }
 	const CellComplex& complex() const { return *m_patches->complex; }
-	std::size_t bytes() const;
 
 private:
 	friend Status validate( const CrackSides& sides );

@@ -106,8 +106,6 @@ public:
 	};
 	const Change& latestChange() const { return m_change; }
 
-	std::size_t bytes() const;
-
 	/// Reserves memory for half of all faces, so that later breaks need no reallocation.
 	void reserveScratch();
 

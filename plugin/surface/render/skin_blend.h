@@ -40,8 +40,6 @@ public:
 	void between(
 		const NodeState& nodes, const AlignedArray<float>& maps, double fraction, double cell, AlignedArray<float>& blended ) const;
 
-	std::size_t bytes() const { return m_before.capacity() * sizeof( float ); }
-
 	/// Adds `by`, m, to the positions of the state.
 	void shift( const Eigen::Vector3d& by ) { m_origin += by; }
 

@@ -188,10 +188,4 @@ SkinArray<std::uint32_t> SkinTableStreams::indices() const
 	return m_whole ? wholeArray( m_wholeTriangles.indices, 3 * std::size_t( m_wholeTriangles.count ) ) : m_indices.view();
 }
 
-std::size_t SkinTableStreams::bytes() const
-{
-	return m_vertices.bytes() + m_influences.bytes() + m_mixes.bytes() + m_corners.bytes() + m_indices.bytes() + m_nodeOfCell.bytes() +
-		m_offsets.bytes();
-}
-
 } // namespace pliant

@@ -31,7 +31,6 @@ public:
 			int( m_ranges.size() ) };
 	}
 	const std::vector<T>& entries() const { return m_entries; }
-	std::size_t bytes() const { return m_entries.capacity() * sizeof( T ) + m_ranges.capacity() * sizeof( SkinRange ); }
 
 private:
 	void replace( const std::vector<T>& before, unsigned version, std::vector<T>&& next )
@@ -110,7 +109,6 @@ public:
 	SkinArray<std::uint32_t> indices() const;
 	SkinArray<std::uint32_t> nodeOfCell() const { return m_nodeOfCell.view(); }
 	SkinArray<SkinOffset> offsets() const { return m_offsets.view(); }
-	std::size_t bytes() const;
 
 private:
 	std::shared_ptr<const SkinTables> m_whole; ///< null: the streams are the body's own

@@ -44,8 +44,6 @@ public:
 	void turn( const std::vector<float>& positions, const std::vector<float>& normals, std::vector<float>& positionsNow,
 		std::vector<float>& normalsNow, TaskRunner* runner = nullptr ) const;
 
-	std::size_t bytes() const { return ( m_position.size() + m_rotation.size() + m_flow.size() ) * sizeof( float ); }
-
 private:
 	struct Motion
 	{

@@ -339,11 +339,4 @@ void SkinFade::spread( const SkinBinding& binding, std::vector<SkinOffset>& offs
 	}
 }
 
-std::size_t SkinFade::bytes() const
-{
-	return ( m_mapBefore.size() + m_mapNow.size() ) * sizeof( float ) +
-		( m_slotBefore.size() + m_vertex.capacity() ) * sizeof( std::uint32_t ) + m_offset.capacity() * sizeof( Vec3 ) +
-		m_group.capacity() * sizeof( Group );
-}
-
 } // namespace pliant

@@ -60,8 +60,6 @@ public:
 	const AlignedArray<float>& mapsBefore() const { return m_mapBefore; }
 	const AlignedArray<float>& mapsNow() const { return m_mapNow; }
 
-	std::size_t bytes() const;
-
 private:
 	/// The children of one split node, with consecutive indices.
 	struct Group

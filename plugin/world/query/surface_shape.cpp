@@ -322,11 +322,4 @@ bool SurfaceShape::contains( const btVector3& point, btVector3& onSurface, btVec
 	return true;
 }
 
-std::size_t SurfaceShape::bytes() const
-{
-	return ( m_surface.positions.capacity() + m_surface.normals.capacity() + m_surface.nodeMaps.capacity() ) * sizeof( float ) +
-		( m_surface.groupStart.capacity() + m_surface.groupTriangle.capacity() ) * sizeof( std::uint32_t ) + m_surface.tree.bytes() +
-		m_surface.boundary.triangle.size() * sizeof( m_surface.boundary.triangle[0] );
-}
-
 } // namespace pliant

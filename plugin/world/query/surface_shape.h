@@ -52,7 +52,6 @@ public:
 	/// Whether a point in the shape's coordinates is inside; then also the nearest point of the surface and the unit vector from the point
 	/// to it.
 	bool contains( const btVector3& point, btVector3& onSurface, btVector3& outwards ) const;
-	std::size_t bytes() const;
 
 private:
 	struct Surface

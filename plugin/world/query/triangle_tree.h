@@ -37,7 +37,6 @@ public:
 	void sort( const TriangleView& atRest );
 	/// Updates the boxes for moved vertices of the same triangles.
 	void refit( const TriangleView& surface );
-	std::size_t bytes() const { return m_boxes.size() * sizeof( Box ) + m_order.size() * sizeof( std::uint32_t ); }
 
 	/// Calls visit( triangle ) for those whose box may overlap a box.
 	template <class Visit>

@@ -23,8 +23,6 @@ struct NodeColliders
 	std::vector<std::uint8_t> collides;
 	/// Links from each finest cell to the nearest surface cell, counted up to the largest node's width in cells; one more beyond.
 	std::vector<std::uint8_t> depth;
-
-	std::size_t bytes() const { return radius.size() * ( sizeof( float ) + 1 ) + depth.size(); }
 };
 
 NodeColliders measureColliders( const Lattice& lattice, const Octree& octree );

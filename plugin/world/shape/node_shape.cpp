@@ -312,13 +312,6 @@ void NodeShape::setSweep( const btVector3& low, const btVector3& high )
 	m_localAabbMax = m_rows.whole().maxs() + m_sweepHigh;
 }
 
-std::size_t NodeShape::bytes() const
-{
-	return std::size_t( m_children.size() ) * ( sizeof( btCompoundShapeChild ) + sizeof( btDbvtNode ) + sizeof( int ) ) +
-		m_refit.count() * ( sizeof( btDbvtNode ) + sizeof( void* ) ) + m_childOfNode.size() * ( sizeof( int ) + sizeof( void* ) ) +
-		m_colliders.bytes() + m_rows.bytes();
-}
-
 // Those of an unbroken body without levels follow from its lattice. On levels the number that a child has depends on the changes so far,
 // and where cells were lost a radius may differ in its last bits.
 void NodeShape::archive( Archive& archive, const Body& body )

@@ -69,8 +69,6 @@ public:
 	/// shape.
 	void archive( Archive& archive, const Body& body );
 
-	std::size_t bytes() const;
-
 private:
 	void addUniform( const Lattice& lattice );
 	void buildTree();

@@ -34,7 +34,6 @@ public:
 	void prepend( std::vector<btDbvtNode*>& fresh );
 	/// Computes all inner boxes from the leaves' boxes. `runner` may be null.
 	void run( TaskRunner* runner ) const;
-	std::size_t count() const { return m_inner.size(); }
 
 private:
 	void run( int first, int last ) const;

@@ -61,7 +61,6 @@ public:
 	/// The box around all spheres.
 	const Box& whole() const { return m_whole; }
 	int count() const { return m_count; }
-	std::size_t bytes() const { return m_rows.size() * sizeof( Row ) + m_boxes.size() * sizeof( Boxes ); }
 
 	/// Calls visit( node ) for every sphere whose box overlaps the box.
 	template <class Visit>

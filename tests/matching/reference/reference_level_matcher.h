@@ -22,7 +22,6 @@ public:
 	void nodeRotations( const NodeState& nodes, float* quaternions ) const override;
 	/// S_p of a region.
 	const Eigen::Matrix3d& plasticStretch( int region ) const { return m_region[std::size_t( region )].plastic; }
-	std::size_t bytes() const override { return m_matrix.bytes() + m_region.size() * sizeof( Region ); }
 
 private:
 	struct Region

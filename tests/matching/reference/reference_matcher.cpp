@@ -250,10 +250,4 @@ void ReferenceMatcher::nodeRotations( const NodeState& nodes, float* quaternions
 	}
 }
 
-std::size_t ReferenceMatcher::bytes() const
-{
-	return m_moments.bytes() + m_fits.size() * ( sizeof( Fit ) + 2 * sizeof( Vec3d ) ) +
-		( m_regions.start.size() + m_regions.member.size() ) * sizeof( std::uint32_t ) + m_regions.size.size() * sizeof( std::uint16_t );
-}
-
 } // namespace pliant

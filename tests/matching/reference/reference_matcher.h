@@ -27,7 +27,6 @@ public:
 	void accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* runner ) override;
 	void nodeRotations( const NodeState& nodes, float* quaternions ) const override;
 	void forgetFlow() override;
-	std::size_t bytes() const override;
 
 	/// Goal of each node minus its position, m, in world axes, as of the last `accelerate`.
 	const std::vector<Vec3d>& residual() const { return m_residual; }
