@@ -3,6 +3,7 @@
 #include "lattice/build/build_lattice.h"
 #include "lattice/test_meshes.h"
 #include "support/block_body.h"
+#include "support/crack_piece.h"
 #include "surface/crack_complex/cell_complex.h"
 #include "surface/crack_mesh/crack_view.h"
 #include "surface/crack_state/crack_surface.h"
@@ -105,7 +106,7 @@ void takePieces( benchmark::State& state )
 	{
 		for ( const auto& slab : body.slabs )
 		{
-			benchmark::DoNotOptimize( surface.piece( slab ).vertexCount() );
+			benchmark::DoNotOptimize( test::takenPiece( surface, body.complex, slab ).vertexCount() );
 		}
 	}
 }
@@ -157,7 +158,7 @@ void crackedSkin( benchmark::State& state )
 	std::vector<float> positions( 3 * binding.restPosition.size() ), normals( positions.size() );
 	for ( auto _ : state )
 	{
-		skin( binding, nodes, rotations.data(), triangles, scratch, positions.data(), normals.data() );
+		skin( binding, nodes, SkinPose{ .rotations = rotations.data() }, triangles, scratch, positions.data(), normals.data() );
 		benchmark::DoNotOptimize( normals.data() );
 		benchmark::ClobberMemory();
 	}

@@ -48,7 +48,7 @@ void skinning( benchmark::State& state )
 	std::vector<float> positions( it.mesh.positions.size() ), normals( it.mesh.positions.size() );
 	for ( auto _ : state )
 	{
-		skin( binding, it.nodes, it.rotations.data(), triangles, scratch, positions.data(), normals.data() );
+		skin( binding, it.nodes, SkinPose{ .rotations = it.rotations.data() }, triangles, scratch, positions.data(), normals.data() );
 		benchmark::DoNotOptimize( normals.data() );
 		benchmark::ClobberMemory();
 	}

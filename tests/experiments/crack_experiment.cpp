@@ -7,6 +7,7 @@
 #include "lattice/pieces.h"
 #include "lattice/test_meshes.h"
 #include "support/block_body.h"
+#include "support/crack_piece.h"
 #include "surface/crack_complex/cell_complex.h"
 #include "surface/crack_state/crack_surface.h"
 
@@ -101,8 +102,8 @@ DrawnPiece drawPiece( const CrackSurface& surface, const Lattice& lattice, const
 	out.positions.resize( 3 * surface.vertexCount() );
 	out.normals.resize( 3 * surface.vertexCount() );
 	SkinScratch scratch;
-	skin( surface.binding(), nodes, rotations.data(), SkinTriangles{ out.triangles[0].data(), int( out.triangles.size() ) }, scratch,
-		out.positions.data(), out.normals.data() );
+	skin( surface.binding(), nodes, SkinPose{ .rotations = rotations.data() },
+		SkinTriangles{ out.triangles[0].data(), int( out.triangles.size() ) }, scratch, out.positions.data(), out.normals.data() );
 	out.colours.resize( out.positions.size() );
 	for ( std::size_t t = 0; t < out.triangles.size(); ++t )
 	{
@@ -151,7 +152,13 @@ void breakSphere( const Way& way, const Vec3& at, std::list<DrawnPiece>& drawn )
 	CrackSurface surface( complex.value );
 	const auto pieces = piecesOf( lattice );
 	const auto start = std::chrono::steady_clock::now();
-	surface.breakLinks( linksBetween( lattice, pieces ) );
+	std::vector<std::uint32_t> faces;
+	for ( const CellLink& link : linksBetween( lattice, pieces ) )
+	{
+		const std::uint32_t face = complex.value->faceBetween( link.a, link.b );
+		face != CrackSurface::kNone ? faces.push_back( face ) : void();
+	}
+	surface.breakFaces( faces );
 	surface.updateBinding();
 	const double opened = milliseconds( start );
 	const Lattice torn = withoutLinks( lattice, linksBetween( lattice, pieces ) );
@@ -160,7 +167,7 @@ void breakSphere( const Way& way, const Vec3& at, std::list<DrawnPiece>& drawn )
 	{
 		const Lattice part = extractCells( torn, cells );
 		const Vec3 shift = ( part.massCentre - lattice.massCentre ).cast<float>();
-		drawn.push_back( drawPiece( surface.piece( cells, shift ), part, at + ( 1.0f + kPullApart ) * shift ) );
+		drawn.push_back( drawPiece( test::takenPiece( surface, complex.value, cells, shift ), part, at + ( 1.0f + kPullApart ) * shift ) );
 		triangles += drawn.back().triangles.size();
 	}
 	std::printf( "%-18s %6zu %8d %8zu %10.1f %10.2f\n", way.name, complex.value->cellCount(), complex.value->report.faces, triangles,

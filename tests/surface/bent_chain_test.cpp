@@ -1,5 +1,6 @@
 // Cracks with removed points: closed as with all of them, and nowhere farther off than the tolerance.
 
+#include "surface/complex_checks.h"
 #include "surface/crack_pieces.h"
 
 #include "surface/crack_shapes/bent_chain.h"

@@ -1,6 +1,6 @@
 // A body divided along its cells: every cell closed, nothing lost, nothing duplicated.
 
-#include "surface/crack_case.h"
+#include "surface/complex_checks.h"
 
 #include <gtest/gtest.h>
 

@@ -134,7 +134,7 @@ std::pair<int, int> wronglyShaded( CrackCase& it, const CrackSurface& surface, c
 	const SkinTriangles triangles{ surface.triangles()[0].data(), int( surface.triangles().size() ) };
 	const Eigen::Matrix3f turn = Eigen::AngleAxisf( 1.1f, Vec3( 1, 2, 3 ).normalized() ).toRotationMatrix();
 	it.affine( turn );
-	skin( binding, it.nodes, it.rotations.data(), triangles, it.scratch, positions.data(), normals.data() );
+	skin( binding, it.nodes, SkinPose{ .rotations = it.rotations.data() }, triangles, it.scratch, positions.data(), normals.data() );
 	std::pair<int, int> wrong{ 0, 0 };
 	for ( std::size_t t = 0; t < surface.triangles().size(); ++t )
 	{
@@ -178,7 +178,7 @@ TEST( CrackModes, NormalShiftsMayEndEarly )
 	it.affine( Eigen::AngleAxisf( 1.1f, Vec3( 1, 2, 3 ).normalized() ).toRotationMatrix() );
 	const auto normalsOf = [&]( const SkinBinding& binding ) {
 		std::vector<float> positions( 3 * surface.vertexCount() ), normals( 3 * surface.vertexCount() );
-		skin( binding, it.nodes, it.rotations.data(), triangles, it.scratch, positions.data(), normals.data() );
+		skin( binding, it.nodes, SkinPose{ .rotations = it.rotations.data() }, triangles, it.scratch, positions.data(), normals.data() );
 		return normals;
 	};
 	const std::vector<Vec3>& shifts = surface.binding().normalShift;

@@ -1,5 +1,6 @@
 // Cracks open: each side is closed, tips stay joined, and no vertex follows a cell across the crack.
 
+#include "support/crack_piece.h"
 #include "surface/crack_pieces.h"
 
 #include <gtest/gtest.h>
@@ -71,7 +72,7 @@ TEST_P( Cracks, PiecesAreClosedAndSumToTheWhole )
 	int odd = 0;
 	for ( const auto& cells : pieces )
 	{
-		const CrackSurface piece = whole.piece( cells );
+		const CrackSurface piece = takenPiece( whole, it.complex, cells );
 		expectValid( piece );
 		EXPECT_EQ( openEdges( welded( piece ) ), 0 );
 		odd += oddEdges( welded( piece ) );
@@ -209,7 +210,7 @@ TEST( CrackSurface, HalvesAreManifolds )
 		whole.updateBinding();
 		for ( const auto& half : halves )
 		{
-			EXPECT_EQ( oddEdges( welded( whole.piece( half ) ) ), 0 );
+			EXPECT_EQ( oddEdges( welded( takenPiece( whole, it.complex, half ) ) ), 0 );
 		}
 	}
 }
@@ -277,17 +278,14 @@ TEST( CrackSurface, MadeFromALatticeItIsTheSame )
 	for ( const auto& cells : pieces )
 	{
 		const Vec3 shift( 0.25f, 0.5f, -1.0f );
-		const CrackSurface made( it.complex, cells, extractCells( torn, cells ), shift ), taken = whole.piece( cells, shift );
+		const CrackSurface made( it.complex, cells, extractCells( torn, cells ), shift ),
+			taken = takenPiece( whole, it.complex, cells, shift );
 		expectValid( made );
 		EXPECT_EQ( made.triangles(), taken.triangles() );
 		EXPECT_EQ( made.binding().weight, taken.binding().weight );
 		EXPECT_EQ( made.binding().node, taken.binding().node );
 		EXPECT_EQ( made.binding().restPosition.size(), taken.binding().restPosition.size() );
 	}
-	CrackSurface byLinks( it.complex );
-	byLinks.breakLinks( links );
-	byLinks.updateBinding();
-	EXPECT_EQ( byLinks.triangles(), whole.triangles() );
 }
 
 /// A crack through half of the body: at its tip no vertex is doubled, behind it all are.
@@ -305,13 +303,13 @@ TEST( CrackSurface, TipsStayJoined )
 		}
 		return CrackSurface::kNone;
 	};
-	std::vector<CellLink> links;
+	std::vector<std::uint32_t> faces;
 	for ( int y = 0; y < 4; ++y )
 	{
-		links.push_back( { cellAt( 1, y, 0 ), cellAt( 2, y, 0 ) } );
-		links.push_back( { cellAt( 1, y, 1 ), cellAt( 2, y, 1 ) } );
+		faces.push_back( it.complex->faceBetween( cellAt( 1, y, 0 ), cellAt( 2, y, 0 ) ) );
+		faces.push_back( it.complex->faceBetween( cellAt( 1, y, 1 ), cellAt( 2, y, 1 ) ) );
 	}
-	surface.breakLinks( links );
+	surface.breakFaces( faces );
 	surface.updateBinding();
 	expectValid( surface );
 	const auto rowsAt = [&]( const Vec3d& place ) {

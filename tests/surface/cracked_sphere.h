@@ -63,7 +63,8 @@ struct Cracked
 		positions.assign( 3 * std::size_t( shown.vertexCount() ), 1e9f );
 		normals = positions;
 		const SkinTriangles triangles{ shown.triangles()[0].data(), int( shown.triangles().size() ) };
-		skin( shown.binding(), it.nodes, it.rotations.data(), triangles, it.scratch, positions.data(), normals.data(), runner );
+		skin( shown.binding(), it.nodes, SkinPose{ .rotations = it.rotations.data() }, triangles, it.scratch, positions.data(),
+			normals.data(), runner );
 	}
 
 	Vec3 position( std::uint32_t v ) const { return Eigen::Map<const Vec3>( &positions[3 * std::size_t( v )] ); }

@@ -207,8 +207,8 @@ TEST( Panels, DrawnAsOneTheRestIsAsItWas )
 	const AsOne one( cracked.surface );
 	std::vector<float> positions( 3 * one.vertex.size() ), normals( positions );
 	const SkinTriangles triangles{ one.view.triangles[0].data(), one.view.triangleCount };
-	skin(
-		*one.view.binding, cracked.it.nodes, cracked.it.rotations.data(), triangles, cracked.it.scratch, positions.data(), normals.data() );
+	skin( *one.view.binding, cracked.it.nodes, SkinPose{ .rotations = cracked.it.rotations.data() }, triangles, cracked.it.scratch,
+		positions.data(), normals.data() );
 	for ( std::size_t k = 0; k < one.vertex.size(); ++k )
 	{
 		EXPECT_EQ( Vec3( Eigen::Map<const Vec3>( &positions[3 * k] ) ), cracked.position( one.vertex[k] ) );

@@ -185,7 +185,8 @@ TEST( Panels, SeamsStayClosed )
 	it.deform( []( const Vec3& x ) { return bent( x, 0.5f ); }, []( const Vec3& x ) { return turnOfBend( x, 0.5f ); } );
 	std::vector<float> positions( 3 * std::size_t( surface.vertexCount() ) ), normals( positions );
 	const SkinTriangles triangles{ surface.triangles()[0].data(), int( surface.triangles().size() ) };
-	skin( surface.binding(), it.nodes, it.rotations.data(), triangles, it.scratch, positions.data(), normals.data() );
+	skin( surface.binding(), it.nodes, SkinPose{ .rotations = it.rotations.data() }, triangles, it.scratch, positions.data(),
+		normals.data() );
 	int copies = 0;
 	for ( const SkinBinding::Placed& of : surface.binding().placed )
 	{

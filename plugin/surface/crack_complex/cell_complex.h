@@ -104,7 +104,4 @@ public:
 /// Returns Ok, or BadSettings with a sentence about the first value that is out of its range (NaN included).
 Status check( const CrackSettings& settings );
 
-/// Checks all invariants of the tables. The sentence names the first one violated.
-Status validate( const CellComplex& complex );
-
 } // namespace pliant

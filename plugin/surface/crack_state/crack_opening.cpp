@@ -8,20 +8,6 @@
 
 namespace pliant {
 
-void CrackSurface::breakLinks( const std::vector<CellLink>& links )
-{
-	std::vector<std::uint32_t> faces;
-	for ( const CellLink& link : links )
-	{
-		const std::uint32_t face = m_complex->faceBetween( m_cell[link.a], m_cell[link.b] );
-		if ( face != kNone )
-		{
-			faces.push_back( face );
-		}
-	}
-	breakFaces( faces );
-}
-
 bool CrackSurface::isBroken( std::uint32_t face ) const
 {
 	const std::uint32_t local = localFace( face );

@@ -82,16 +82,6 @@ CrackSurface::CrackSurface(
 	CrackSurface( complex, cells, unlinkedFaces( *complex, cells, body ), shift )
 {}
 
-CrackSurface CrackSurface::piece( std::vector<std::uint32_t> cells, const Vec3& shift ) const
-{
-	std::vector<std::uint8_t> isBroken( m_complex->face.size(), 0 );
-	for ( const Face& face : m_face )
-	{
-		isBroken[face.number] = face.isBroken;
-	}
-	return CrackSurface( m_complex, std::move( cells ), isBroken, shift );
-}
-
 // === Selection ===
 
 void CrackSurface::selectFaces( const std::vector<std::uint8_t>& isBroken )

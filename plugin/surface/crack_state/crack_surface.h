@@ -45,14 +45,9 @@ public:
 	/// The same with the links that `body`, the body's own lattice, lacks as broken faces (its cell k is cells[k]).
 	CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const Lattice& body, const Vec3& shift );
 
-	/// A piece of this body with its own vertices and triangles and the same cracks. Cells: indices of the template, ascending.
-	CrackSurface piece( std::vector<std::uint32_t> cells, const Vec3& shift = Vec3::Zero() ) const;
-
 	/// Breaks faces of the complex; ignores those already broken or not of this body. Appends vertices and triangles, and redirects
 	/// triangles of cells along the crack.
 	void breakFaces( const std::vector<std::uint32_t>& faces );
-	/// Breaks the faces between cells whose links broke, given by the body's own indices; ignores pairs without a face.
-	void breakLinks( const std::vector<CellLink>& links );
 
 	/// Updates the binding for all cracks since the last call. Required before the binding is used.
 	void updateBinding();

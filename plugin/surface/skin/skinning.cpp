@@ -90,14 +90,6 @@ void allSkinMaps( const NodeState& state, const SkinPose& pose, AlignedArray<flo
 	}
 }
 
-void skin( const SkinBinding& binding, const NodeState& state, const float* rotations, const SkinTriangles& triangles, SkinScratch& scratch,
-	float* positions, float* normals, TaskRunner* runner )
-{
-	SkinPose pose;
-	pose.rotations = rotations;
-	skin( binding, state, pose, triangles, scratch, positions, normals, runner );
-}
-
 void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& pose, const SkinTriangles& triangles, SkinScratch& scratch,
 	float* positions, float* normals, TaskRunner* runner, const SkinKernels& kernels )
 {

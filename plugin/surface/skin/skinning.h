@@ -92,15 +92,10 @@ struct SkinScratch
 	AlignedArray<float> groupNormal;
 };
 
-/// Computes positions (relative to `state.origin`, m) and unit normals, 3 floats per vertex. `rotations`: the rotation of each node's
-/// region relative to rest, a unit quaternion (x, y, z, w). `triangles`: those of the bound mesh. The same bits for any number of threads.
-void skin( const SkinBinding& binding, const NodeState& state, const float* rotations, const SkinTriangles& triangles, SkinScratch& scratch,
-	float* positions, float* normals, TaskRunner* runner = nullptr );
-
 /// Everything but positions that determines how the nodes of a body move the skin.
 struct SkinPose
 {
-	const float* rotations = nullptr; ///< as above
+	const float* rotations = nullptr; ///< of each node's region relative to rest, a unit quaternion (x, y, z, w)
 	const float* flow = nullptr;      ///< S_p of each node, 9 floats, row-major: its plastic deformation. Null: none
 	const float* gradients = nullptr; ///< F of each node, 9 floats, row-major: coarse nodes stretch the skin too. Null: rotations only
 	const float* maps = nullptr;      ///< kSkinMapFloats per node, eased: used instead of all above and the nodes. Null: to be computed
@@ -117,7 +112,8 @@ void skinMaps( const NodeState& state, const SkinPose& pose, float* maps, int fi
 /// The maps of all nodes, eased by SkinPose::fade, on the runner's threads.
 void allSkinMaps( const NodeState& state, const SkinPose& pose, AlignedArray<float>& maps, TaskRunner* runner = nullptr );
 
-/// `kernels`: all tables give the same bits.
+/// Computes positions (relative to `state.origin`, m) and unit normals, 3 floats per vertex. `triangles`: those of the bound mesh. The same
+/// bits for any number of threads and with all tables of `kernels`.
 void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& pose, const SkinTriangles& triangles, SkinScratch& scratch,
 	float* positions, float* normals, TaskRunner* runner = nullptr, const SkinKernels& kernels = bestSkinKernels() );
 
