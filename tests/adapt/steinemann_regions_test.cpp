@@ -23,8 +23,6 @@ constexpr std::uint32_t kFar = std::numeric_limits<std::uint32_t>::max();
 void expectEqual( const IntervalRegions& a, const IntervalRegions& b )
 {
 	EXPECT_EQ( a.width, b.width );
-	EXPECT_EQ( a.ownStart, b.ownStart );
-	EXPECT_EQ( a.own, b.own );
 	EXPECT_EQ( a.start, b.start );
 	EXPECT_EQ( a.node, b.node );
 }

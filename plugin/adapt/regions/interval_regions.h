@@ -21,12 +21,10 @@ struct IntervalRegions
 	float eps = kIntervalEps;
 	std::vector<std::uint32_t> width; ///< w_i of each slot, half cells
 
-	/// Steps 1 and 2, before symmetrization: summation nodes of slot i, ids of octree nodes in depth-first order.
-	std::vector<std::uint32_t> ownStart, own;
-
-	/// Step 3: i is in the region of j exactly when j is in that of i. The union of both relations is taken: only then is every node within
-	/// w_i in region i, and a fine node is coupled to the adjacent coarse one, which is farther than the fine node's own ( 1 + eps ) w. The
-	/// rows list the largest octree nodes whose simulation nodes are all in the region.
+	/// Summation nodes of each slot, ids of octree nodes in depth-first order: i is in the region of j exactly when j is in that of i. The
+	/// union of both relations is taken: only then is every node within w_i in region i, and a fine node is coupled to the adjacent coarse
+	/// one, which is farther than the fine node's own ( 1 + eps ) w. The rows list the largest octree nodes whose simulation nodes are all
+	/// in the region.
 	std::vector<std::uint32_t> start, node;
 
 	int count() const { return start.empty() ? 0 : int( start.size() ) - 1; }
