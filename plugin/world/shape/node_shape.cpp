@@ -38,7 +38,6 @@ NodeShape::NodeShape( const Body& body ) : btCompoundShape( true, body.nodeCount
 		m_children.reserve( capacity );
 		m_nodeOfChild.reserve( std::size_t( capacity ) );
 		m_sphereOfNode.reserve( std::size_t( capacity ) );
-		m_refit.reserve( std::size_t( capacity ) );
 		for ( int i = 0; i < body.nodeCount(); ++i )
 		{
 			const std::uint32_t node = levels->cut().node[i];
@@ -149,18 +148,15 @@ void NodeShape::followLevels( const Body& body, const Vec3& shift, bool isPlaced
 	const auto collides = [&]( int node ) { return m_colliders.collides[levels.cut().node[std::size_t( node )]] != 0; };
 	const NewChildren added( change, collides );
 	renumberSpheres( levels );
-	bool isSameTree = true; // except for replaced leaves
 	for ( int child = int( m_nodeOfChild.size() ); child-- > 0; )
 	{
 		const int node = m_nodeOfChild[child];
 		if ( change.keptAs[std::size_t( node )] == kNoNode && added.count( node ) == 0 )
 		{
 			removeChild( child );
-			isSameTree = false;
 		}
 	}
 	m_childOfNode.assign( std::size_t( body.nodeCount() ), -1 );
-	std::vector<btDbvtNode*> inner;
 	for ( int child = 0, count = int( m_nodeOfChild.size() ); child < count; ++child )
 	{
 		const int before = m_nodeOfChild[child];
@@ -171,22 +167,16 @@ void NodeShape::followLevels( const Body& body, const Vec3& shift, bool isPlaced
 			continue;
 		}
 		const auto first = added.node.begin() + added.start[std::size_t( before )];
-		splitLeaf( child, std::vector<int>( first, first + added.count( before ) ), inner, PlacedNodes{ body.nodes(), shift } );
+		splitLeaf( child, std::vector<int>( first, first + added.count( before ) ), PlacedNodes{ body.nodes(), shift } );
 	}
 	for ( int i = 0; i < body.nodeCount(); ++i )
 	{
 		if ( m_childOfNode[i] < 0 && collides( i ) ) // merged
 		{
 			addNode( i, body.nodes().x.get( i ) - shift, m_sphereOfNode[i] );
-			isSameTree = false;
 		}
 	}
 	m_areRowsKnown = false;
-	if ( isSameTree && m_isRefitKnown )
-	{
-		m_refit.prepend( inner );
-	}
-	m_isRefitKnown = m_isRefitKnown && isSameTree;
 	if ( !isPlacedNext )
 	{
 		place( body.nodes(), shift );
@@ -211,8 +201,8 @@ void NodeShape::renumberSpheres( const Levels& levels )
 	m_sphereOfNode.swap( spheres );
 }
 
-/// The first new node takes over the child. New inner nodes are appended to `inner`, children before parents.
-void NodeShape::splitLeaf( int child, const std::vector<int>& into, std::vector<btDbvtNode*>& inner, const PlacedNodes& placed )
+/// The first new node takes over the child.
+void NodeShape::splitLeaf( int child, const std::vector<int>& into, const PlacedNodes& placed )
 {
 	btDbvtNode* const leaf = m_children[child].m_node;
 	std::vector<int> which;
@@ -239,12 +229,7 @@ void NodeShape::splitLeaf( int child, const std::vector<int>& into, std::vector<
 	{
 		m_children[part].m_node->volume = boxOf( part );
 	}
-	const std::size_t first = inner.size();
-	collectInner( top, inner );
-	for ( std::size_t k = first; k < inner.size(); ++k )
-	{
-		Merge( inner[k]->childs[0]->volume, inner[k]->childs[1]->volume, inner[k]->volume );
-	}
+	refitBelow( top );
 	refitUpwards( top );
 }
 
@@ -280,26 +265,19 @@ void NodeShape::place( const NodeState& nodes, const Vec3& shift, TaskRunner* ru
 	setSweep( btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) );
 }
 
-void NodeShape::freshen( TaskRunner* runner )
+void NodeShape::freshen()
 {
 	if ( !m_isStale )
 	{
 		return;
 	}
 	m_isStale = false;
-	if ( !m_isRefitKnown )
-	{
-		m_refit.collect( m_dynamicAabbTree->m_root );
-		m_isRefitKnown = true;
-	}
-	runChunks( runner, ChunkedRange{ m_rows.count() }, [&]( int, int begin, int end ) {
-		m_rows.visitPositions( begin, end, [&]( int node, const btVector3& at ) {
-			const int child = m_childOfNode[std::size_t( node )];
-			m_children[child].m_transform.setOrigin( at );
-			m_children[child].m_node->volume = boxOf( child );
-		} );
+	m_rows.visitPositions( 0, m_rows.count(), [&]( int node, const btVector3& at ) {
+		const int child = m_childOfNode[std::size_t( node )];
+		m_children[child].m_transform.setOrigin( at );
+		m_children[child].m_node->volume = boxOf( child );
 	} );
-	m_refit.run( runner );
+	refitBelow( m_dynamicAabbTree->m_root );
 }
 
 void NodeShape::setSweep( const btVector3& low, const btVector3& high )
@@ -355,7 +333,7 @@ void NodeShape::archive( Archive& archive, const Body& body )
 		addChild( node, body.nodes().x.get( node ), m_sphereOfNode[std::size_t( node )] );
 	}
 	buildTree();
-	m_areRowsKnown = m_isRefitKnown = false;
+	m_areRowsKnown = false;
 }
 
 } // namespace pliant

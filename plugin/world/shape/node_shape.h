@@ -6,7 +6,6 @@
 #include "body/body.h"
 #include "matching/node_state.h"
 #include "world/shape/node_colliders.h"
-#include "world/shape/node_tree.h"
 #include "world/shape/sphere_rows.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
@@ -44,7 +43,7 @@ public:
 	/// children and tree, by which rows are arranged, stay unchanged until freshen().
 	void place( const NodeState& nodes, const Vec3& shift, TaskRunner* runner = nullptr );
 	/// Moves children and tree to the spheres, before leaves are added where they belong.
-	void freshen( TaskRunner* runner = nullptr );
+	void freshen();
 	/// Nodes move by vectors between `low` and `high` in this step, m: the shape's box grows by it, the spheres' boxes do not.
 	void setSweep( const btVector3& low, const btVector3& high );
 	const btVector3& sweepLow() const { return m_sweepLow; }
@@ -84,7 +83,7 @@ private:
 		const Vec3& shift;
 	};
 	void renumberSpheres( const Levels& levels );
-	void splitLeaf( int child, const std::vector<int>& into, std::vector<btDbvtNode*>& inner, const PlacedNodes& placed );
+	void splitLeaf( int child, const std::vector<int>& into, const PlacedNodes& placed );
 	btDbvtVolume boxOf( int child ) const;
 
 	std::map<int, std::unique_ptr<btSphereShape>> m_spheres; // by radius step
@@ -93,8 +92,6 @@ private:
 	SphereRows m_rows;
 	bool m_areRowsKnown = false; // no sphere was added, removed or renumbered since they were arranged
 	bool m_isStale = false;      // children and tree are not at the spheres' positions
-	TreeRefit m_refit;
-	bool m_isRefitKnown = false; // for the present tree
 	NodeColliders m_colliders;   // bodies with levels only
 	btScalar m_largestRadius = btScalar( 0 ), m_smallestRadius = btScalar( SIMD_INFINITY );
 	btVector3 m_sweepLow = btVector3( 0, 0, 0 ), m_sweepHigh = btVector3( 0, 0, 0 );

@@ -86,7 +86,6 @@ bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>
 	{
 		addNode( i, body.nodes().x.get( i ), m_sphereOfNode[i] ); // placed with all others when the substep continues
 	}
-	m_isRefitKnown = m_isRefitKnown && isSameTree;
 	m_areRowsKnown = m_areRowsKnown && isSameTree && keepsNumbers;
 	return true;
 }

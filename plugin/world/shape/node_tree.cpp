@@ -1,7 +1,5 @@
 #include "world/shape/node_tree.h"
 
-#include "threads/constants.h"
-#include "threads/parallel.h"
 #include "world/shape/shape_constants.h"
 #include "world/shape/sphere_rows.h"
 
@@ -106,11 +104,10 @@ void replaceLeaf( btDbvt& tree, btDbvtNode* leaf, btDbvtNode* top, int leaves )
 	btAlignedFree( leaf );
 }
 
-void collectInner( btDbvtNode* top, std::vector<btDbvtNode*>& inner )
+void refitBelow( btDbvtNode* top )
 {
 	// Parents before children, then reversed. Not recursive, since the tree may be deep.
-	const auto first = std::ptrdiff_t( inner.size() );
-	std::vector<btDbvtNode*> stack( 1, top );
+	std::vector<btDbvtNode*> inner, stack( 1, top );
 	while ( !stack.empty() )
 	{
 		btDbvtNode* const node = stack.back();
@@ -122,65 +119,8 @@ void collectInner( btDbvtNode* top, std::vector<btDbvtNode*>& inner )
 			stack.push_back( node->childs[1] );
 		}
 	}
-	std::reverse( inner.begin() + first, inner.end() );
-}
-
-void TreeRefit::collect( btDbvtNode* root )
-{
-	m_inner.clear();
-	m_branch.assign( 1, 0 );
-	// Descends from the root to the widest rank that has no more nodes than there may be branches.
-	std::vector<btDbvtNode*> above, rank, next;
-	for ( next.assign( root && root->isinternal() ? 1 : 0, root ); !next.empty() && int( next.size() ) <= kMaxChunks; )
-	{
-		above.insert( above.end(), rank.begin(), rank.end() );
-		rank.swap( next );
-		next.clear();
-		for ( btDbvtNode* const node : rank )
-		{
-			for ( btDbvtNode* const child : node->childs )
-			{
-				if ( child->isinternal() )
-				{
-					next.push_back( child );
-				}
-			}
-		}
-	}
-	for ( btDbvtNode* const top : rank )
-	{
-		collectInner( top, m_inner );
-		m_branch.push_back( int( m_inner.size() ) );
-	}
-	m_inner.insert( m_inner.end(), above.rbegin(), above.rend() );
-}
-
-void TreeRefit::prepend( std::vector<btDbvtNode*>& fresh )
-{
-	for ( int& bound : m_branch )
-	{
-		bound += int( fresh.size() );
-	}
-	fresh.insert( fresh.end(), m_inner.begin(), m_inner.end() );
-	m_inner.swap( fresh );
-}
-
-void TreeRefit::run( TaskRunner* runner ) const
-{
-	const int branches = int( m_branch.size() ) - 1;
-	run( 0, m_branch.front() );
-	auto refitBranch = [&]( int k ) { run( m_branch[std::size_t( k )], m_branch[std::size_t( k ) + 1] ); };
-	runTasks( m_branch.back() - m_branch.front() < kMinChunkSize ? nullptr : runner, branches, refitBranch );
-	run( m_branch.back(), int( m_inner.size() ) );
-}
-
-void TreeRefit::run( int first, int last ) const
-{
-	for ( int k = first; k < last; ++k )
-	{
-		btDbvtNode* const node = m_inner[std::size_t( k )];
-		Merge( node->childs[0]->volume, node->childs[1]->volume, node->volume );
-	}
+	std::for_each(
+		inner.rbegin(), inner.rend(), []( btDbvtNode* node ) { Merge( node->childs[0]->volume, node->childs[1]->volume, node->volume ); } );
 }
 
 void refitUpwards( btDbvtNode* node )

@@ -137,7 +137,7 @@ TEST( LargeBodies, TreesFollowTheirNodesOnAllThreads )
 			nodes.x.y[std::size_t( i )] += float( random() % 1000 ) * 1e-4f;
 		}
 		soft->impl().shape->place( nodes, soft->impl().shapeShift, threads.get() );
-		soft->impl().shape->freshen( threads.get() );
+		soft->impl().shape->freshen();
 		int inner = 0;
 		expectTight( *soft->impl().shape, inner );
 		most = std::max( most, inner );
