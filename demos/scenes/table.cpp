@@ -84,7 +84,7 @@ public:
 		order.material.damping = 30.0f;
 		order.material.rigidStrain = 0.01f;
 		order.fracture.rule = pliant::BreakRule::Shards;
-		order.fracture.breakStrain = 0.02f;
+		order.fracture.breakStrain = 0.04f;
 		order.fracture.shardSize = 0.12f;
 		order.fracture.grain[0] = 1.0f;
 		order.fracture.grainLength = 3.0f;

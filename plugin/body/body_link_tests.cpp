@@ -199,13 +199,14 @@ void Body::findBroken( float h, bool isCool )
 		hasBegun = b.planes->find( *m_lattice, b.limits, testedPositions(), b.sinceTest, isCool, b.broken );
 		b.sinceTest = 0.0f;
 	}
-	else if ( m_levels )
-	{
-		findOverstretched( b.limits, testedPositions(), b.broken );
-	}
 	else
 	{
-		findOverstretched( b.limits, m_nodes, b.broken );
+		m_levels ? findOverstretched( b.limits, testedPositions(), b.broken ) : findOverstretched( b.limits, m_nodes, b.broken );
+		if ( !b.limits.thin.empty() )
+		{
+			b.faces.update( *m_lattice, b.limits, testedPositions(), double( weakestBreakStrain() ) );
+			b.faces.findOverbent( b.limits, testedPositions(), b.broken );
+		}
 	}
 	if ( hasBegun || ( !b.planes && !b.broken.empty() ) )
 	{

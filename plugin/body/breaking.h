@@ -4,6 +4,7 @@
 // "Fracturing".
 
 #include "fracture/cut_links.h"
+#include "fracture/face_stretch.h"
 #include "fracture/link_limits.h"
 #include "fracture/plane_cracks.h"
 #include "pliant/fracture.h"
@@ -43,6 +44,7 @@ struct Breaking
 	AlignedArray<float> peak;
 	double impactEnergy = 0.0;           ///< of that impact, J
 	double energy = 0.0;                 ///< J, of the links in `broken` when they were tested
+	FaceStretch faces;                   ///< scratch of BreakRule::Distance
 	Vec3Array untested;                  ///< scratch: the nodes' positions while others are tested
 	std::unique_ptr<PlaneCracks> planes; ///< BreakRule::Plane only
 	std::unique_ptr<ShardCracks> shards; ///< BreakRule::Shards only

@@ -28,6 +28,10 @@ inline constexpr double kRotatesAsRigid = 0.98;
 /// Nodes of bodies of fewer cells do not merge: they would be one block or a few, with no rotation of their own.
 inline constexpr std::size_t kLeastMergedCells = 27;
 
+/// Nodes on opposite sides of one, between which a thin part bends: their mean differs from it by less than this fraction of their
+/// distance, the direction has less than this cosine with the part's normals, and directions are 30 degrees apart.
+inline constexpr float kPairAsymmetry = 0.1f, kPairAcross = 0.5f, kPairsApart = 0.87f;
+
 // --- Segments of large bodies (segments.h) ---
 
 /// Bodies of fewer nodes, with a smaller G, or that are divided into fewer segments, as compact ones are, need few products without.

@@ -88,6 +88,38 @@ inline constexpr double kLinkEnergyFactor = 5.0;
 /// Rotations in an implicit step are left out of the shape that is tested from the stretch on that is this fraction of the breaking one.
 inline constexpr double kTestedTurn = 0.02;
 
+/// Parts of at most this many cells across are thin: at the faces of thicker ones bending strains the material by less than 0.3 more than
+/// it does on the average around the outermost cells.
+inline constexpr int kThinCells = 6;
+/// Length of a body over the thickness of its thin parts, at least, and the least length in cells: shorter parts do not bend.
+inline constexpr float kLeastSlenderness = 3.0f;
+inline constexpr int kLeastThinLength = 3;
+/// A cell is at a face that is within this many cells of its centre, and in the middle of a part within this many of it.
+inline constexpr float kAtFace = 0.75f;
+inline constexpr double kInMiddle = 0.1;
+/// Cells are at the same face if the normals there are within 45 degrees of each other.
+inline constexpr float kSameFaceCosine = 0.7f;
+/// Links are on opposite sides of a cell where the angle between them is more than 135 degrees.
+inline constexpr float kPairCosine = 0.7f;
+/// A part lies along the lattice if the products of a cell's links over their squares are below this.
+inline constexpr double kSlantedPart = 0.02;
+/// Least area of a part's face over that at rest for its curvature to be measured.
+inline constexpr double kLeastFaceArea = 1e-3;
+/// A rod's links say how it is turned about its axis where their extent across it is this fraction of that along it, both squared.
+inline constexpr double kLeastAcross = 0.15;
+/// Passes in which the normals of a part and its stretch along itself are found, each from the other.
+inline constexpr int kFramePasses = 3;
+/// What is added to the squares of the fit of a curvature, in squares of cells: for the stretch across a part, the turn of its normal, and
+/// the curvature. A cell with links to all sides has sums of 9, 12 and 3.
+inline constexpr double kAcrossPrior = 0.5, kTurnPrior = 1e-6, kCurvaturePrior = 0.01;
+/// The strain that bending adds to that around a cell at the face in front of it is at most this multiple of the estimate from opposite
+/// links: a cell's links have their middle half a cell below it, and a plate bends in two directions.
+inline constexpr double kRoughBending = 3.0;
+/// Less of it than this fraction of the breaking strain is not looked at: links find what is stretched.
+inline constexpr double kBendingCandidate = 0.4;
+/// A part is not bent where the estimate is below this fraction of the breaking strain.
+inline constexpr double kLeastBending = 0.05;
+
 /// Shards are tested again once sound has crossed this fraction of one: the load on a shard does not change sooner.
 inline constexpr float kTestDistance = 0.5f;
 /// Where the material is overloaded but no crack has the energy to run it is tested again after this fraction of Fracture::coolDown.

@@ -3,6 +3,7 @@
 // Maximum distances of neighbouring finest cells. Ohta et al. 2009, "Fracturing": the distance between two nodes that are neighbours on the
 // finest level, over all 26.
 
+#include "fracture/thin_cells.h"
 #include "lattice/pieces.h"
 #include "matching/node_state.h"
 
@@ -20,11 +21,7 @@ struct LinkLimits
 	std::vector<float> toughness;     ///< factor on the settings' strain; empty: 1 everywhere
 	std::vector<float> lengthSquared; ///< beyond this the link breaks, m^2; infinity: never
 	float weakest = 1.0f;             ///< minimum toughness
-
-	std::size_t bytes() const
-	{
-		return ( start.size() + to.size() ) * sizeof( std::uint32_t ) + ( toughness.size() + lengthSquared.size() ) * sizeof( float );
-	}
+	std::vector<ThinCell> thin;       ///< cells at the faces of thin parts, ascending
 };
 
 /// The toughness of a cell against a pull along `normal`: the mean over its links, weighted by their alignment with the pull.

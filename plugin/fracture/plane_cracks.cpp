@@ -30,7 +30,8 @@ void PlaneCracks::findStretched( const LinkLimits& limits, const CellPositions& 
 	isStretched.assign( m_scratch.isActive.size(), 0 );
 	isUnresolved = m_scratch.isActive;
 	m_scratch.stretched.clear();
-	const LinkMoments& cells = m_scratch.moments;
+	const LinkMoments& cells = m_scratch.faces.moments();
+	auto thin = limits.thin.begin();
 	for ( std::uint32_t i = 0; i < std::uint32_t( isStretched.size() ); ++i )
 	{
 		for ( std::uint32_t k = limits.start[i]; cells.isNode( i ) && k < limits.start[i + 1]; ++k )
@@ -42,6 +43,14 @@ void PlaneCracks::findStretched( const LinkLimits& limits, const CellPositions& 
 				isStretched[i] = isStretched[j] = 1;
 				isUnresolved[i] = isUnresolved[j] = 0;
 			}
+		}
+		if ( thin != limits.thin.end() && thin->cell == i )
+		{
+			if ( m_scratch.isActive[i] != 0 )
+			{
+				isStretched[i] = m_scratch.faces.mayBreak( *thin, isStretched[i] != 0 ) ? 1 : 0;
+			}
+			++thin;
 		}
 		if ( isStretched[i] != 0 && m_scratch.isActive[i] != 0 &&
 			positions.mayBreak( i ) ) // all links of i are checked: those to lower cells in their rows
@@ -55,7 +64,7 @@ void PlaneCracks::measureWide( const Lattice& lattice, const LinkLimits& limits,
 {
 	if ( overload.near.excess > 1.0f )
 	{
-		overload.wide = measure( lattice, limits, m_scratch.moments.around( overload.cell ).deformation(), overload );
+		overload.wide = measure( lattice, limits, m_scratch.faces.deformationOf( overload.cell, true ), overload );
 		overload.wide.excess = overload.near.excess > kNeckFactor
 			? std::max( overload.wide.excess, 1.0f + overload.near.excess - kNeckFactor )
 			: overload.wide.excess;
@@ -70,7 +79,7 @@ void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 	const double minStrain = double( m_growthFraction ) * double( m_breakStrain ) * double( limits.weakest );
 	for ( const std::uint32_t i : m_scratch.stretched )
 	{
-		const Eigen::Matrix3d around = m_scratch.moments.of( i ).deformation();
+		const Eigen::Matrix3d around = m_scratch.faces.deformationOf( i, false );
 		if ( !m_checksEveryCell && isStretchedLess( around, minStrain * ( 1.0 - kExcessRounding ) ) )
 		{
 			continue; // no crack would grow or start
@@ -206,6 +215,13 @@ void PlaneCracks::collectBroken( const LinkLimits& limits, std::vector<CellLink>
 	}
 }
 
+bool PlaneCracks::hasLinkAlong( const Lattice& lattice, std::uint32_t cell, const Vec3d& direction ) const
+{
+	const auto row = lattice.linkTo.begin() + lattice.linkStart[cell], end = lattice.linkTo.begin() + lattice.linkStart[cell + 1];
+	return std::any_of( row, end,
+		[&]( std::uint32_t j ) { return direction.dot( m_scratch.rest[j] - m_scratch.rest[cell] ) > 0.5 * double( lattice.cellSize ); } );
+}
+
 bool PlaneCracks::find( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions, float h, bool mayBegin,
 	std::vector<CellLink>& broken )
 {
@@ -219,7 +235,7 @@ bool PlaneCracks::find( const Lattice& lattice, const LinkLimits& limits, const 
 	{
 		return false;
 	}
-	m_scratch.moments.update( lattice, positions );
+	m_scratch.faces.update( lattice, limits, positions, double( m_growthFraction ) * double( m_breakStrain ) * double( limits.weakest ) );
 	const bool growsOnly = !mayBegin && !m_checksEveryCell;
 	m_scratch.isActive.assign( std::size_t( lattice.cellCount() ), 1 );
 	if ( growsOnly )
@@ -251,7 +267,9 @@ bool PlaneCracks::find( const Lattice& lattice, const LinkLimits& limits, const 
 		Plane* plane = planeFor( overload, at, lattice.cellSize, mayBegin, isShielded );
 		if ( !plane && mayBegin && !isShielded && overload.wide.excess > 1.0f )
 		{
-			m_planes.push_back( Plane{ at + 0.5 * double( lattice.cellSize ) * overload.wide.normal, overload.wide.normal, at, at, 0.0f } );
+			const Vec3d& normal = overload.wide.normal;
+			const double away = hasLinkAlong( lattice, overload.cell, normal ) ? 0.5 : -0.5; // within the body
+			m_planes.push_back( Plane{ at + away * double( lattice.cellSize ) * normal, normal, at, at, 0.0f } );
 			plane = &m_planes.back();
 			hasStarted = true;
 		}

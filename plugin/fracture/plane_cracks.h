@@ -6,6 +6,7 @@
 // single links follow it.
 
 #include "fracture/cell_positions.h"
+#include "fracture/face_stretch.h"
 #include "fracture/link_limits.h"
 #include "fracture/stretch.h"
 
@@ -70,7 +71,7 @@ private:
 		Scratch( const Scratch& ) {}
 		Scratch& operator=( const Scratch& ) { return *this; }
 
-		LinkMoments moments;
+		FaceStretch faces;
 		std::vector<std::uint32_t> stretched; ///< cells, ascending
 		std::vector<std::uint8_t> mark;       ///< by cell
 		std::vector<std::uint32_t> inSlab;
@@ -99,6 +100,8 @@ private:
 	std::uint64_t planesOf( std::uint32_t cell, const Pull& near, double cellSize ) const;
 	std::uint64_t unreachedPlanes( double cellSize ) const;
 	Pull measure( const Lattice& lattice, const LinkLimits& limits, const Eigen::Matrix3d& around, const Overload& overload ) const;
+	/// Whether a cell has a link by more than half a cell in a direction.
+	bool hasLinkAlong( const Lattice& lattice, std::uint32_t cell, const Vec3d& direction ) const;
 	Plane* planeFor( const Overload& found, const Vec3d& at, double cellSize, bool mayBegin, bool& isShielded );
 	bool breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane );
 	void collectBroken( const LinkLimits& limits, std::vector<CellLink>& broken );

@@ -44,6 +44,7 @@ public:
 	void update( const Lattice& lattice, const CellPositions& positions );
 
 	bool isNode( std::uint32_t cell ) const { return m_isNode[cell] != 0; }
+	Vec3 position( std::uint32_t cell ) const { return m_position[cell].head<3>().matrix(); }
 	/// Squared distance between two cells.
 	float distanceSquared( std::uint32_t a, std::uint32_t b ) const
 	{

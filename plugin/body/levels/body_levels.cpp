@@ -1,6 +1,7 @@
 // Construction of a body's nodes, uniform or on several levels, and of their matcher; and changes of its levels.
 
 #include "body/body.h"
+#include "body/breaking.h"
 #include "body/levels/levels.h"
 #include "lattice/assert_valid.h"
 
@@ -117,7 +118,9 @@ bool Body::reviewLevels( float h )
 		return false;
 	}
 	m_reviewIn = m_wasImplicit ? 0 : kSubstepsBetweenReviews - 1; // an implicit substep is as long as several explicit ones
-	const bool hasChange = m_levels->review( m_nodes, m_levelMatcher->strain(), m_levelMatcher->stretch(), m_sinceReview );
+	static const std::vector<ThinCell> kNone;
+	const bool hasChange = m_levels->review(
+		m_nodes, m_levelMatcher->strain(), m_levelMatcher->stretch(), m_breaking ? m_breaking->limits.thin : kNone, m_sinceReview );
 	m_sinceReview = 0.0f;
 	m_reviewIn = m_levels->isRefining() ? 0 : m_reviewIn;
 	return hasChange;

@@ -72,12 +72,18 @@ void Levels::measureLoads( const AlignedArray<float>& strain, const AlignedArray
 	}
 }
 
-bool Levels::review( const NodeState& nodes, const AlignedArray<float>& strain, const AlignedArray<float>& stretch, float seconds )
+bool Levels::review( const NodeState& nodes, const AlignedArray<float>& strain, const AlignedArray<float>& stretch,
+	const std::vector<ThinCell>& thin, float seconds )
 {
 	m_split.clear();
 	m_merge.clear();
 	findReviewed();
 	measureLoads( strain, stretch );
+	if ( !thin.empty() && !m_load.empty() && m_refineStretch > 0.0f )
+	{
+		findBends( nodes, thin );
+		addBending( nodes );
+	}
 	const bool follows = followsStrain();
 	for ( std::size_t i = 0; i < m_cut.node.size() && !( follows && m_load.empty() ); ++i )
 	{

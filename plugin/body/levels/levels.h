@@ -5,6 +5,7 @@
 
 #include "adapt/constants.h"
 #include "body/levels/level_energy.h"
+#include "fracture/thin_cells.h"
 #include "matching/node_state.h"
 #include "matching/regions/level_update.h"
 
@@ -127,8 +128,10 @@ public:
 	/// Whether nodes that `requestFinest` splits wait for nothing but the next change.
 	bool isRefining() const { return !m_requested.empty() && !m_hasBacklog; }
 
-	/// Evaluates the strains and stretches last measured; `seconds` since the last review. Returns true when there is something to change.
-	bool review( const NodeState& nodes, const AlignedArray<float>& strain, const AlignedArray<float>& stretch, float seconds );
+	/// Evaluates the strains and stretches last measured; `seconds` since the last review. `thin`: cells of a body that can break, of which
+	/// bending counts as stretch. Returns true when there is something to change.
+	bool review( const NodeState& nodes, const AlignedArray<float>& strain, const AlignedArray<float>& stretch,
+		const std::vector<ThinCell>& thin, float seconds );
 	/// Applies the changes selected by `review` and requests, within the budget. Conserves momentum and spin unless a node is pinned.
 	/// `measuresEnergy`: fills in LevelChange::energy, except where rows are skipped.
 	void apply(
@@ -192,6 +195,22 @@ private:
 		bool isKnown = false;
 	};
 	void findReviewed();
+	/// Nodes of thin parts.
+	struct Bends
+	{
+		struct Node
+		{
+			std::uint32_t node;
+			int pairs = 0;
+			ThinCell::Pair pair[4]; ///< nodes on opposite sides of it
+		};
+		std::vector<Node> node;
+		std::size_t thinCells = 0; ///< of which they were found
+		unsigned version = 0;
+		bool isKnown = false;
+	};
+	void findBends( const NodeState& nodes, const std::vector<ThinCell>& thin );
+	void addBending( const NodeState& nodes );
 	bool mayMerge( const NodeState& nodes, const Reviewed::Siblings& siblings ) const;
 	/// Requests all coarse nodes under a node of the octree.
 	void requestUnder( std::uint32_t node );
@@ -256,6 +275,7 @@ private:
 	float m_sinceMerge = std::numeric_limits<float>::max(); ///< s
 	std::vector<std::uint8_t> m_wasRequested;               ///< of each node: 1 where it was requested since the last review
 	Reviewed m_reviewed;
+	Bends m_bends;
 	std::vector<std::uint32_t> m_split, m_merge; ///< octree nodes, found by the last review
 	std::vector<std::uint32_t> m_requested;      ///< octree nodes, of the cut or under requested ones
 	int m_budget = kNoBudget;                    ///< number of nodes that changes may still add

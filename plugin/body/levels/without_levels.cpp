@@ -26,7 +26,7 @@ void Levels::requestSplit( int ) {}
 void Levels::requestFinest( int ) {}
 void Levels::pin( int ) {}
 
-bool Levels::review( const NodeState&, const AlignedArray<float>&, const AlignedArray<float>&, float )
+bool Levels::review( const NodeState&, const AlignedArray<float>&, const AlignedArray<float>&, const std::vector<ThinCell>&, float )
 {
 	return false;
 }

@@ -4,6 +4,8 @@
 #include "body/breaking.h"
 #include "fracture/shards/shard_cracks.h"
 
+#include <algorithm>
+
 namespace pliant {
 
 namespace {
@@ -22,7 +24,9 @@ void archiveLimits( Archive& archive, LinkLimits& limits, const Lattice& lattice
 		limits = limitLinks( lattice, strain, std::vector<float>( limits.toughness ) );
 	}
 	archive.sameLength( limits.lengthSquared );
-	archive( limits.weakest );
+	archive( limits.weakest, limits.thin );
+	const auto isKnown = [&]( const ThinCell& thin ) { return thin.cell < std::uint32_t( lattice.cellCount() ); };
+	archive.require( std::all_of( limits.thin.begin(), limits.thin.end(), isKnown ), "A thin cell is that of another body." );
 }
 
 } // namespace

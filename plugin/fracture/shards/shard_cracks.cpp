@@ -15,28 +15,33 @@ namespace pliant {
 void ShardCracks::findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions )
 {
 	m_overloads.clear();
-	m_moments.update( lattice, positions );
+	m_faces.update( lattice, limits, positions, double( m_law.breakStrain ) * double( limits.weakest ) );
+	const LinkMoments& moments = m_faces.moments();
+	auto thin = limits.thin.begin();
 	const std::uint32_t cells = std::uint32_t( lattice.cellCount() );
 	std::vector<std::uint8_t> isStretched( cells, 0 );
 	const double strength = double( m_law.breakStrain );
 	for ( std::uint32_t i = 0; i < cells; ++i )
 	{
-		for ( std::uint32_t k = limits.start[i]; m_moments.isNode( i ) && k < limits.start[i + 1]; ++k )
+		for ( std::uint32_t k = limits.start[i]; moments.isNode( i ) && k < limits.start[i + 1]; ++k )
 		{
 			const std::uint32_t j = limits.to[k];
-			if ( ( isStretched[i] & isStretched[j] ) == 0 && m_moments.isNode( j ) &&
-				m_moments.distanceSquared( i, j ) > limits.lengthSquared[k] )
+			if ( ( isStretched[i] & isStretched[j] ) == 0 && moments.isNode( j ) &&
+				moments.distanceSquared( i, j ) > limits.lengthSquared[k] )
 			{
 				isStretched[i] = isStretched[j] = 1;
 			}
 		}
 		// All links of i are tested here: those to lower cells in their rows.
-		if ( isStretched[i] == 0 || !positions.mayBreak( i ) ||
-			isStretchedLess( m_moments.of( i ).deformation(), strength * double( limits.weakest ) ) )
+		const bool isThin = thin != limits.thin.end() && thin->cell == i;
+		const bool mayBreak = positions.mayBreak( i ) && ( isThin ? m_faces.mayBreak( *thin, isStretched[i] != 0 ) : isStretched[i] != 0 );
+		thin += isThin ? 1 : 0;
+		const Eigen::Matrix3d around = mayBreak ? m_faces.deformationOf( i, false ) : Eigen::Matrix3d::Identity();
+		if ( !mayBreak || isStretchedLess( around, strength * double( limits.weakest ) ) )
 		{
 			continue;
 		}
-		const Stretch near = largestStretch( m_moments.of( i ).deformation() );
+		const Stretch near = largestStretch( around );
 		const double factor = strength * double( positions.strainFactor( i ) );
 		const double nearExcess = near.strain / ( factor * toughnessAlong( lattice, limits, i, near.axis ) );
 		if ( !( nearExcess > 1.0 ) )
@@ -44,7 +49,7 @@ void ShardCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 			continue;
 		}
 		// The measure over the neighbours as well: otherwise every step of a slanted surface would be a notch. A neck breaks in any case.
-		const Stretch wide = largestStretch( m_moments.around( i ).deformation() );
+		const Stretch wide = largestStretch( m_faces.deformationOf( i, true ) );
 		const double neck = nearExcess > double( kNeckFactor ) ? 1.0 + nearExcess - double( kNeckFactor ) : 0.0;
 		const double excess = std::max( wide.strain / ( factor * toughnessAlong( lattice, limits, i, wide.axis ) ), neck );
 		if ( excess > 1.0 )
@@ -80,7 +85,7 @@ bool ShardCracks::run(
 		divide( lattice, lattice.massCentre + lattice.restCentre[impact].cast<double>(), {} );
 	}
 	const std::vector<Vec3d> at = positions();
-	ShardEvent event( lattice, limits, m_shard, at, m_law );
+	ShardEvent event( lattice, limits, m_shard, at, m_law, m_faces );
 	isImpact ? event.runAround( impact ) : void();
 	for ( const ShardOverload& overload : m_overloads )
 	{

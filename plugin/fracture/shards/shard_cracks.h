@@ -7,10 +7,10 @@
 
 #include "fracture/cell_positions.h"
 #include "fracture/cut_links.h"
+#include "fracture/face_stretch.h"
 #include "fracture/link_limits.h"
 #include "fracture/shards/shard_centres.h"
 #include "fracture/shards/shard_event.h"
-#include "fracture/stretch.h"
 #include "pliant/fracture.h"
 
 #include <functional>
@@ -60,7 +60,6 @@ public:
 	/// True where all cells are of one shard: no crack runs through it.
 	bool isOne() const { return m_isOne; }
 	const ShardLaw& law() const { return m_law; }
-	std::size_t bytes() const;
 
 	/// For a body of this many cells.
 	void archive( Archive& archive, std::size_t cells );
@@ -79,7 +78,7 @@ private:
 	double m_crumbMass = 0.0;           ///< that may still become crumbs, cells' fill
 	bool m_isOne = false;               ///< all cells are of one shard
 	bool m_awaitsImpact = false;        ///< ShardPattern::Rings before the first break
-	LinkMoments m_moments;
+	FaceStretch m_faces;
 	std::vector<ShardOverload> m_overloads;
 };
 

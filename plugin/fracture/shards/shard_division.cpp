@@ -280,9 +280,4 @@ std::vector<CutTrace> ShardCracks::tracesOf( const Lattice& lattice, const std::
 	return traces;
 }
 
-std::size_t ShardCracks::bytes() const
-{
-	return ( m_shard.capacity() + m_crumb.capacity() ) * sizeof( std::uint32_t );
-}
-
 } // namespace pliant

@@ -13,9 +13,9 @@
 namespace pliant {
 
 ShardEvent::ShardEvent( const Lattice& lattice, const LinkLimits& limits, const std::vector<std::uint32_t>& shards,
-	const std::vector<Vec3d>& positions, const ShardLaw& law ) :
+	const std::vector<Vec3d>& positions, const ShardLaw& law, FaceStretch& faces ) :
 	m_lattice( lattice ),
-	m_limits( limits ), m_at( positions ), m_law( law )
+	m_limits( limits ), m_at( positions ), m_law( law ), m_faces( faces )
 {
 	numberShards( shards );
 	measureEnergy();
@@ -70,6 +70,14 @@ void ShardEvent::measureEnergy()
 	{
 		const double links = double( m_lattice.linkStart[cell + 1] - m_lattice.linkStart[cell] );
 		m_cellEnergy[cell] *= links > 0.0 ? most * double( m_lattice.fill[cell] ) / links : 0.0;
+	}
+	for ( const ThinCell& thin : m_faces.thin() )
+	{
+		m_cellEnergy[thin.cell] += 0.5 * m_law.youngsModulus * d * d * d * double( m_lattice.fill[thin.cell] ) *
+			m_faces.hiddenSquare( thin );
+	}
+	for ( std::size_t cell = 0; cell < cells; ++cell )
+	{
 		m_energy[m_shard[cell]] += m_cellEnergy[cell];
 	}
 	m_left = m_energy;
@@ -116,11 +124,31 @@ void ShardEvent::findBorders()
 	}
 }
 
+// Few borders are asked for it.
+void ShardEvent::measureBending( Border& border )
+{
+	const double count = double( border.thin.size() );
+	for ( const ThinCell* const thin : border.thin )
+	{
+		if ( m_faces.isBent( *thin ) )
+		{
+			const double side = border.thin.front()->normal[0].dot( thin->normal[0] ) < 0.0f ? -1.0 : 1.0;
+			border.bending += side / count * m_faces.bendingOf( *thin );
+		}
+	}
+	border.thin.clear();
+}
+
 void ShardEvent::addLink( Border& border, std::uint32_t a, std::uint32_t b, double toughness )
 {
 	const Vec3d q = rest( b ) - rest( a ), p = m_at[b] - m_at[a];
 	border.now += p * q.transpose();
 	border.rest += q * q.transpose();
+	for ( const std::uint32_t end : { a, b } )
+	{
+		const ThinCell* const thin = m_faces.moments().isNode( end ) ? m_faces.thinCellOf( end ) : nullptr;
+		thin ? border.thin.push_back( thin ) : void();
+	}
 	const auto steps = m_lattice.coordinate[b].cast<int>() - m_lattice.coordinate[a].cast<int>();
 	if ( steps.cwiseAbs().sum() == 1 )
 	{
@@ -135,15 +163,17 @@ void ShardEvent::addLink( Border& border, std::uint32_t a, std::uint32_t b, doub
 	}
 }
 
-double ShardEvent::pullOn( const Border& border, const Vec3d& normal ) const
+double ShardEvent::pullOn( Border& border, const Vec3d& normal )
 {
-	return ( ( border.deformation * normal ).norm() - 1.0 ) / ( double( m_law.breakStrain ) * border.toughness );
+	measureBending( border );
+	const double stretch = ( border.deformation * normal ).norm() - 1.0 + std::fabs( normal.dot( border.bending * normal ) );
+	return stretch / ( double( m_law.breakStrain ) * border.toughness );
 }
 
-bool ShardEvent::opens( const Border& border, const Vec3d& normal ) const
+bool ShardEvent::opens( Border& border, const Vec3d& normal )
 {
-	return border.links > 0 && !border.isBroken && pullOn( border, normal ) > kOpensAt &&
-		m_left[border.shard[0]] + m_left[border.shard[1]] > costOf( border );
+	return border.links > 0 && !border.isBroken && m_left[border.shard[0]] + m_left[border.shard[1]] > costOf( border ) &&
+		pullOn( border, normal ) > kOpensAt;
 }
 
 void ShardEvent::open( Border& border )
@@ -166,13 +196,13 @@ bool ShardEvent::isShielded( const ShardOverload& overload ) const
 	} );
 }
 
-std::uint32_t ShardEvent::startOf( const ShardOverload& overload ) const
+std::uint32_t ShardEvent::startOf( const ShardOverload& overload )
 {
 	std::uint32_t best = kNone;
 	double most = 0.0;
 	for ( const std::uint32_t b : m_bordersOf[m_shard[overload.cell]] )
 	{
-		const Border& border = m_borders[b];
+		Border& border = m_borders[b];
 		const double area = border.across.norm(), cosine = std::fabs( border.across.dot( overload.normal ) ) / std::max( area, 1e-300 );
 		if ( cosine > kStartCosine && opens( border, overload.normal ) )
 		{

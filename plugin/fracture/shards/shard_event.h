@@ -2,6 +2,7 @@
 
 // One event of ShardCracks: measures the borders between shards and the strain energy of shards and crumbs, and runs cracks along them.
 
+#include "fracture/face_stretch.h"
 #include "fracture/link_limits.h"
 #include "lattice/lattice.h"
 
@@ -30,9 +31,10 @@ struct ShardOverload
 class ShardEvent
 {
 public:
-	/// `shards`: of each cell. `positions`: of each cell, relative to any origin. All arguments must outlive the event.
+	/// `shards`: of each cell. `positions`: of each cell, relative to any origin. `faces`: updated for the same positions. All arguments
+	/// must outlive the event.
 	ShardEvent( const Lattice& lattice, const LinkLimits& limits, const std::vector<std::uint32_t>& shards,
-		const std::vector<Vec3d>& positions, const ShardLaw& law );
+		const std::vector<Vec3d>& positions, const ShardLaw& law, FaceStretch& faces );
 
 	/// Starts a crack at the border of the cell's shard that lies best across the pull, and runs it; nothing where none opens, or where a
 	/// crack of this event unloads the material.
@@ -56,6 +58,8 @@ private:
 		Eigen::Matrix3d now = Eigen::Matrix3d::Zero();         ///< sum p q^T over its links
 		Eigen::Matrix3d rest = Eigen::Matrix3d::Zero();        ///< sum q q^T
 		Eigen::Matrix3d deformation = Eigen::Matrix3d::Zero(); ///< F
+		Eigen::Matrix3d bending = Eigen::Matrix3d::Zero();     ///< what bending adds to the stretch at the faces of thin parts
+		std::vector<const ThinCell*> thin;                     ///< ends of its links in thin parts, until `bending` is measured
 		Vec3d across = Vec3d::Zero();                          ///< its area times its normal, towards the second shard, m^2
 		Vec3d middle = Vec3d::Zero();                          ///< at rest
 		double toughness = 0.0;                                ///< factor on the break strain, the mean over links that can break
@@ -76,22 +80,24 @@ private:
 	void measureEnergy();
 	std::uint32_t borderBetween( std::uint32_t a, std::uint32_t b );
 	void findBorders();
+	void measureBending( Border& border );
 	void addLink( Border& border, std::uint32_t a, std::uint32_t b, double toughness );
 	/// Stretch across a plane, in break strains of the border.
-	double pullOn( const Border& border, const Vec3d& normal ) const;
+	double pullOn( Border& border, const Vec3d& normal );
 	/// Whether the border opens in a crack across `normal`.
-	bool opens( const Border& border, const Vec3d& normal ) const;
+	bool opens( Border& border, const Vec3d& normal );
 	void open( Border& border );
 	/// A crack unloads the material beside it over a distance of its length, less where the load is many times what it takes.
 	bool isShielded( const ShardOverload& overload ) const;
 	/// The border of the cell's shard that lies best across the pull; kNone where none opens.
-	std::uint32_t startOf( const ShardOverload& overload ) const;
+	std::uint32_t startOf( const ShardOverload& overload );
 	bool isCrossed( const Border& border, const Crack& crack ) const;
 
 	const Lattice& m_lattice;
 	const LinkLimits& m_limits;
 	const std::vector<Vec3d>& m_at;
 	const ShardLaw& m_law;
+	FaceStretch& m_faces;
 	std::vector<std::uint32_t> m_shard;   ///< by cell: local number
 	std::vector<double> m_energy, m_left; ///< by shard, J: all, and what cracks have not used
 	std::vector<Vec3d> m_centre;          ///< by shard, at rest

@@ -202,13 +202,17 @@ void SoftBodySystem::strainByImpact( const IslandBlock& block, int part, double 
 	{
 		return;
 	}
-	refineSolution( body, load.impulse );
-	AlignedArray<float> response( load.stopping.size() ), other;
 	const double strains = strainingFraction( body, load.stopping ), energy = strains * load.energy;
-	if ( strains < kLeastStrainingImpulse || !couldBreak( body, energy ) )
+	if ( strains < kLeastStrainingImpulse )
+	{
+		return; // the velocities are better than these impulses: their differences would bend a pane
+	}
+	refineSolution( body, load.impulse );
+	if ( !couldBreak( body, energy ) )
 	{
 		return;
 	}
+	AlignedArray<float> response( load.stopping.size() ), other;
 	double stored = respondTo( body, load.stopping, response );
 	for ( const int partner : load.partners )
 	{

@@ -11,7 +11,7 @@ namespace {
 
 constexpr char kMagic[8] = { 'P', 'l', 'i', 'a', 'n', 't', 'S', 'n' };
 /// Increases with every change of the stored format.
-constexpr std::uint32_t kFormat = 13;
+constexpr std::uint32_t kFormat = 14;
 
 struct Header
 {
