@@ -104,7 +104,9 @@ void Breaking::prepare( const Lattice& lattice, const Material& material, std::v
 	{
 		planes = std::make_unique<PlaneCracks>( strain, settings.growthFraction );
 	}
+	std::vector<ThinCell> thin = std::move( limits.thin );
 	limits = limitLinks( lattice, candidateStrain( strain ), std::move( toughness ) );
+	limits.thin = std::move( thin );
 }
 
 float Breaking::candidateStrain( float strain ) const
@@ -127,6 +129,8 @@ Status Body::setFracture( const Fracture& fracture, const ToughnessField& field,
 		const GivenCentres given = insist( readCentres( fracture, centres ) );
 		auto breaking = std::make_unique<Breaking>();
 		breaking->settings = fracture;
+		// A piece keeps what its cells were parts of.
+		breaking->limits.thin = m_breaking ? m_breaking->limits.thin : findThinCells( *m_lattice );
 		if ( fracture.rule == BreakRule::Shards )
 		{
 			breaking->shards = std::make_unique<ShardCracks>( *m_lattice, fracture, given );

@@ -67,6 +67,22 @@ private:
 	bool m_isChanged;
 };
 
+/// The first thin cell under a node of the octree; null where there is none.
+const ThinCell* thinIn( const std::vector<ThinCell>& thin, const Octree& octree, std::uint32_t node )
+{
+	const std::uint32_t* const first = octree.cells.data() + octree.cellStart[node];
+	for ( const std::uint32_t* cell = first; cell < first + octree.cellCount[node] && !thin.empty(); ++cell )
+	{
+		const auto own = std::lower_bound(
+			thin.begin(), thin.end(), *cell, []( const ThinCell& a, std::uint32_t b ) { return a.cell < b; } );
+		if ( own != thin.end() && own->cell == *cell )
+		{
+			return &*own;
+		}
+	}
+	return nullptr;
+}
+
 } // namespace
 
 // A crack between shards may start under a coarse node: it is split before the links break.
@@ -86,8 +102,13 @@ void Body::noteCoarseOverloads()
 	nodeDeformationsOf( coarse, gradients.data() );
 	for ( std::size_t k = 0; k < coarse.size(); ++k )
 	{
-		const Eigen::Matrix3f gradient = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( gradients.data() + 9 * k );
+		Eigen::Matrix3f gradient = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( gradients.data() + 9 * k );
 		const std::uint32_t node = above[coarse[k]], middle = octree.cellStart[node] + std::uint32_t( octree.cellCount[node] ) / 2;
+		// F of a node in one layer has the normal of the layer before the step: across it, it is no strain.
+		if ( const ThinCell* const thin = thinIn( m_breaking->limits.thin, octree, node ) )
+		{
+			gradient -= gradient * thin->normal[0] * thin->normal[0].transpose();
+		}
 		m_breaking->shards->noteOverload( *m_lattice, m_breaking->limits, octree.cells[middle], gradient.cast<double>() );
 	}
 }
@@ -158,6 +179,11 @@ void Body::testLinks( float h )
 			b.planes->find( *m_lattice, b.limits, testedPositions(), 0.0f, false, b.broken );
 		}
 		b.energy = energyOf( b.broken );
+		if ( !b.broken.empty() && !b.limits.thin.empty() )
+		{
+			b.faces.update( *m_lattice, b.limits, testedPositions(), double( weakestBreakStrain() ) );
+			b.energy += double( m_material.youngsModulus ) * b.faces.hiddenEnergy( b.broken );
+		}
 		b.energy = b.peak.empty() ? b.energy : std::min( b.energy, b.impactEnergy );
 	}
 	b.peak.clear();

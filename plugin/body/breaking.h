@@ -44,12 +44,12 @@ struct Breaking
 	AlignedArray<float> peak;
 	double impactEnergy = 0.0;           ///< of that impact, J
 	double energy = 0.0;                 ///< J, of the links in `broken` when they were tested
-	FaceStretch faces;                   ///< scratch of BreakRule::Distance
+	FaceStretch faces;                   ///< scratch of BreakRule::Distance, and of the energy of events
 	Vec3Array untested;                  ///< scratch: the nodes' positions while others are tested
 	std::unique_ptr<PlaneCracks> planes; ///< BreakRule::Plane only
 	std::unique_ptr<ShardCracks> shards; ///< BreakRule::Shards only
 
-	/// Computes limits and planes for the settings, and adapts shards to the material.
+	/// Computes limits and planes for the settings, and adapts shards to the material. Keeps limits.thin.
 	void prepare( const Lattice& lattice, const Material& material, std::vector<float> toughness );
 	/// Strain for limitLinks that finds candidates of the rule, which breaks at `strain`.
 	float candidateStrain( float strain ) const;

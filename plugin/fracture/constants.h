@@ -101,20 +101,21 @@ inline constexpr double kInMiddle = 0.1;
 inline constexpr float kSameFaceCosine = 0.7f;
 /// Links are on opposite sides of a cell where the angle between them is more than 135 degrees.
 inline constexpr float kPairCosine = 0.7f;
+/// Deviation of a normal's length from 1 that is rounding.
+inline constexpr float kUnitNormal = 1e-3f;
 /// A part lies along the lattice if the products of a cell's links over their squares are below this.
 inline constexpr double kSlantedPart = 0.02;
 /// Least area of a part's face over that at rest for its curvature to be measured.
 inline constexpr double kLeastFaceArea = 1e-3;
-/// A rod's links say how it is turned about its axis where their extent across it is this fraction of that along it, both squared.
+/// Links say what happens across a part where their extent across it is this fraction of that along it, both squared.
 inline constexpr double kLeastAcross = 0.15;
-/// Passes in which the normals of a part and its stretch along itself are found, each from the other.
-inline constexpr int kFramePasses = 3;
 /// What is added to the squares of the fit of a curvature, in squares of cells: for the stretch across a part, the turn of its normal, and
 /// the curvature. A cell with links to all sides has sums of 9, 12 and 3.
 inline constexpr double kAcrossPrior = 0.5, kTurnPrior = 1e-6, kCurvaturePrior = 0.01;
 /// The strain that bending adds to that around a cell at the face in front of it is at most this multiple of the estimate from opposite
-/// links: a cell's links have their middle half a cell below it, and a plate bends in two directions.
-inline constexpr double kRoughBending = 3.0;
+/// links, which may lie at 22 degrees to the largest curvature: the middle of a cell's links is half a cell below it, but not in the middle
+/// of a part.
+inline constexpr double kRoughBending = 2.5, kRoughInMiddle = 1.25;
 /// Less of it than this fraction of the breaking strain is not looked at: links find what is stretched.
 inline constexpr double kBendingCandidate = 0.4;
 /// A part is not bent where the estimate is below this fraction of the breaking strain.

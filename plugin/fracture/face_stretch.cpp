@@ -4,6 +4,7 @@
 #include "lattice/constants.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -18,56 +19,80 @@ namespace {
 struct ThinFrame
 {
 	Vec3d along[2], normal[2]; ///< at rest; a plate has two of the first, a rod two of the second
-	int alongs, normals;
+	int normals;
 	Eigen::Matrix3d stretch = Eigen::Matrix3d::Zero();    ///< F along the part; 0 across it
 	Vec3d deformed[2] = { Vec3d::Zero(), Vec3d::Zero() }; ///< normals; 0 where the part has collapsed
 
-	explicit ThinFrame( const ThinCell& cell ) : alongs( 3 - cell.normals ), normals( cell.normals )
+	explicit ThinFrame( const ThinCell& cell ) : normals( cell.normals )
 	{
 		normal[0] = cell.normal[0].cast<double>();
 		normal[1] = cell.normals == 2 ? Vec3d( cell.normal[1].cast<double>() ) : Vec3d( Vec3d::Zero() );
-		along[0] = cell.normals == 2 ? normal[0].cross( normal[1] ) : normal[0].unitOrthogonal();
-		along[1] = cell.normals == 2 ? Vec3d( Vec3d::Zero() ) : normal[0].cross( along[0] );
+		layAlong();
 	}
 
-	/// From the sums of p q^T and q q^T and of the vectors p of a cell's links, of which those across the part are n for N.
-	void deform( const Eigen::Matrix3d& now, const Eigen::Matrix3d& rest, const Vec3d& sum )
+	/// From the sums of p q^T and q q^T and of the vectors p of a cell's links. Returns false where these do not say what becomes of the
+	/// part.
+	bool deform( const Eigen::Matrix3d& now, const Eigen::Matrix3d& rest, const Vec3d& sum )
 	{
-		Eigen::Matrix3d across = Eigen::Matrix3d::Zero(); // makes the moment regular
-		for ( int k = 0; k < normals; ++k )
-		{
-			across += normal[k] * normal[k].transpose();
-		}
-		const Eigen::Matrix3d in = Eigen::Matrix3d::Identity() - across;
-		const Eigen::Matrix3d inverse = in * inverseOfRest( in * rest * in + rest.trace() * across ) * in;
-		for ( int pass = 0; pass < kFramePasses; ++pass )
-		{
-			const Eigen::Matrix3d turned = deformed[0] * normal[0].transpose() + deformed[1] * normal[1].transpose();
-			stretch = ( now - turned * rest ) * inverse;
-			normals == 1 ? deformPlate() : deformRod( now, rest, sum );
-		}
+		return normals == 1 ? deformPlate( now, rest ) : deformRod( now, rest, sum );
 	}
 
 private:
-	void deformPlate()
+	void layAlong()
 	{
+		along[0] = normals == 2 ? normal[0].cross( normal[1] ) : normal[0].unitOrthogonal();
+		along[1] = normals == 2 ? Vec3d( Vec3d::Zero() ) : normal[0].cross( along[0] );
+	}
+
+	// Links that hardly extend across the part say nothing of the stretch across it, and must not enter what is along it: the normal is
+	// then that of the links themselves.
+	bool deformPlate( const Eigen::Matrix3d& now, const Eigen::Matrix3d& rest )
+	{
+		Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+		solver.computeDirect( rest );
+		const Vec3d& extent = solver.eigenvalues();
+		if ( extent[1] < kLeastAcross * extent[2] )
+		{
+			return false;
+		}
+		if ( extent[0] < kLeastAcross * extent[2] )
+		{
+			const Vec3d own = solver.eigenvectors().col( 0 );
+			const double cosine = own.dot( normal[0] );
+			if ( std::fabs( cosine ) < double( kSameFaceCosine ) )
+			{
+				return false;
+			}
+			normal[0] = cosine < 0.0 ? Vec3d( -own ) : own;
+			layAlong();
+		}
+		Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
+		for ( int k = 0; k < 3; ++k )
+		{
+			const Vec3d axis = solver.eigenvectors().col( k );
+			inverse += extent[k] < kLeastAcross * extent[2] ? Eigen::Matrix3d( Eigen::Matrix3d::Zero() )
+															: Eigen::Matrix3d( axis * axis.transpose() / extent[k] );
+		}
+		stretch = now * inverse * ( Eigen::Matrix3d::Identity() - normal[0] * normal[0].transpose() );
 		const Vec3d cross = Vec3d( stretch * along[0] ).cross( Vec3d( stretch * along[1] ) );
 		const double size = cross.norm();
 		deformed[0] = size > kLeastFaceArea ? Vec3d( cross / size ) : Vec3d( Vec3d::Zero() ); // along[0] x along[1] is the normal
+		return size > kLeastFaceArea;
 	}
 
 	// Links across the rod, of which a row of single cells has none, say how it is turned about its axis. Such a row bends in the direction
 	// of the first normal.
-	void deformRod( const Eigen::Matrix3d& now, const Eigen::Matrix3d& rest, const Vec3d& sum )
+	bool deformRod( const Eigen::Matrix3d& now, const Eigen::Matrix3d& rest, const Vec3d& sum )
 	{
+		const Eigen::Matrix3d deformation = now * inverseOfRest( rest );
+		stretch = deformation * along[0] * along[0].transpose();
 		const Vec3d first = stretch * along[0];
 		if ( first.norm() < kLeastFaceArea )
 		{
-			return;
+			return false;
 		}
 		const Vec3d axis = first.normalized();
 		const auto across = [&axis]( const Vec3d& v ) { return Vec3d( v - axis.dot( v ) * axis ); };
-		const Eigen::Matrix3d deformation = now * inverseOfRest( rest );
 		const double least = kLeastAcross * along[0].dot( rest * along[0] );
 		Vec3d found[2];
 		for ( int k = 0; k < 2; ++k )
@@ -82,6 +107,7 @@ private:
 		// The axis and the normals are right-handed, as at rest.
 		deformed[0] = found[0].isZero() ? Vec3d( found[1].cross( axis ) ) : found[0];
 		deformed[1] = axis.cross( deformed[0] );
+		return true;
 	}
 };
 
@@ -153,8 +179,6 @@ void FaceStretch::update( const Lattice& lattice, const LinkLimits& limits, cons
 	m_bends.clear();
 }
 
-// The sum s of opposite links is what it was at rest, rotated, without bending; where it is not 0 at rest, its change is estimated from
-// | s^2 - r^2 |, which is as a rule more.
 float FaceStretch::roughBending( const ThinCell& cell ) const
 {
 	const Vec3 middle = 2.0f * m_moments.position( cell.cell );
@@ -162,9 +186,9 @@ float FaceStretch::roughBending( const ThinCell& cell ) const
 	for ( int k = 0; k < cell.pairs; ++k )
 	{
 		const ThinCell::Pair& pair = cell.pair[k];
-		const float square = ( m_moments.position( pair.a ) + m_moments.position( pair.b ) - middle ).squaredNorm();
 		const bool areNodes = m_moments.isNode( pair.a ) && m_moments.isNode( pair.b );
-		most = areNodes ? std::max( most, pair.scale * pair.scale * std::fabs( square - pair.square ) ) : most;
+		most = areNodes ? std::max( most, pair.bendingSquare( m_moments.position( pair.a ) + m_moments.position( pair.b ) - middle ) )
+						: most;
 	}
 	return std::sqrt( most );
 }
@@ -180,7 +204,9 @@ bool FaceStretch::mayBreak( const ThinCell& cell, bool isStretched )
 	{
 		return false;
 	}
-	const double bending = kRoughBending * double( roughBending( cell ) );
+	const double middle = kInMiddle * double( m_lattice->cellSize );
+	const bool isInMiddle = std::max( std::fabs( cell.height[0] ), std::fabs( cell.height[1] ) ) < float( middle );
+	const double bending = ( isInMiddle ? kRoughInMiddle : kRoughBending ) * double( roughBending( cell ) );
 	return bending > m_strain ||
 		( ( isStretched || bending > kBendingCandidate * m_strain ) &&
 			!isStretchedLess( m_moments.of( cell.cell ).deformation(), m_strain - bending ) );
@@ -210,9 +236,10 @@ FaceStretch::Bend FaceStretch::measure( const ThinCell& cell )
 		bend.rest += links.rest[l] * links.rest[l].transpose();
 		sum += links.now[l];
 	}
-	frame.deform( bend.now, bend.rest, sum );
+	const bool isKnown = frame.deform( bend.now, bend.rest, sum );
+	bend.curvature[0].setZero();
 	bend.curvature[1].setZero();
-	for ( int k = 0; k < cell.normals; ++k )
+	for ( int k = 0; k < cell.normals && isKnown; ++k )
 	{
 		const Vec3d& normal = frame.normal[k];
 		const Eigen::Matrix3d curvature = curvatureAlong( links, frame, k ), along = frame.stretch * curvature;
@@ -312,19 +339,49 @@ Eigen::Matrix3d FaceStretch::deformationOf( std::uint32_t cell, bool isWide )
 	return isWide ? m_moments.around( cell ).deformation() : m_moments.of( cell ).deformation();
 }
 
-Eigen::Matrix3d FaceStretch::bendingOf( const ThinCell& cell )
+Eigen::Matrix3d FaceStretch::bendingOf( const ThinCell& cell, int normal )
 {
-	const Bend& bend = bendOf( cell );
-	return double( cell.half[0] ) * bend.curvature[0] + double( cell.half[1] ) * bend.curvature[1];
+	return double( cell.half[normal] ) * bendOf( cell ).curvature[normal];
 }
 
-// A plate of the thickness t has the mean square K^2 t^2 / 12 = ( K t / 2 )^2 / 3. Links have that of the cells' centres: K^2 d^2 / 12
-// less. It is shared by the cells at the faces, of which there are two across the plate, or one.
+// A part has the mean square K^2 t^2 / 12, t its thickness, and links that of the cells' centres: K^2 d^2 / 12 less. It is shared by the
+// cells at the faces: of a row of n cells across a plate by two, of n m across a rod by all but the ( n - 2 ) ( m - 2 ) within.
 double FaceStretch::hiddenSquare( const ThinCell& cell ) const
 {
-	const double strain = m_moments.isNode( cell.cell ) ? double( roughBending( cell ) ) : 0.0;
-	const double layers = 2.0 * double( std::max( cell.half[0], cell.half[1] ) ) / double( m_lattice->cellSize );
-	return strain * strain / 3.0 * std::max( 1.0, 0.5 * layers );
+	if ( !m_moments.isNode( cell.cell ) )
+	{
+		return 0.0;
+	}
+	const double d = double( m_lattice->cellSize );
+	double outside = 0.0, thick = d, all = 1.0, inner = 1.0;
+	for ( int k = 0; k < cell.normals; ++k )
+	{
+		const double cells = std::max( 1.0, std::round( 2.0 * double( cell.half[k] ) / d ) );
+		outside += double( cell.outside( k ) );
+		thick = std::min( thick, 2.0 * double( cell.half[k] ) );
+		all *= cells;
+		inner *= std::max( 0.0, cells - 2.0 );
+	}
+	const double curvature = outside > 0.0 ? double( roughBending( cell ) ) / outside : 0.0;
+	return curvature * curvature * thick * thick / 12.0 * all / ( all - inner );
+}
+
+double FaceStretch::hiddenEnergy( const std::vector<CellLink>& links )
+{
+	const double d = double( m_lattice->cellSize );
+	double sum = 0.0;
+	for ( const CellLink& link : links )
+	{
+		for ( const std::uint32_t end : { link.a, link.b } )
+		{
+			if ( const ThinCell* const thin = thinCellOf( end ) )
+			{
+				const double share = 1.0 / double( m_lattice->linkStart[end + 1] - m_lattice->linkStart[end] );
+				sum += 0.5 * share * d * d * d * double( m_lattice->fill[end] ) * hiddenSquare( *thin );
+			}
+		}
+	}
+	return sum;
 }
 
 void FaceStretch::findOverbent( const LinkLimits& limits, const CellPositions& positions, std::vector<CellLink>& found )
@@ -333,7 +390,7 @@ void FaceStretch::findOverbent( const LinkLimits& limits, const CellPositions& p
 	for ( const ThinCell& thin : limits.thin )
 	{
 		const std::uint32_t i = thin.cell;
-		if ( !positions.mayBreak( i ) || !isBent( thin ) || !mayBreak( thin, true ) )
+		if ( !positions.mayBreak( i ) || !isBent( thin ) || !mayBreak( thin, false ) )
 		{
 			continue;
 		}

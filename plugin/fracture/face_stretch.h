@@ -30,10 +30,12 @@ public:
 	/// F around a cell; where a thin part is bent at the face in front of it, where it is open on both sides at the one that is stretched
 	/// more. `isWide`: the mean over the linked cells, of a thin part over those at the same face.
 	Eigen::Matrix3d deformationOf( std::uint32_t cell, bool isWide );
-	/// K along the cell's normals times half the part's thickness, summed: what bending adds to the stretch at its outermost face.
-	Eigen::Matrix3d bendingOf( const ThinCell& cell );
+	/// K along a normal of the cell times half the part's thickness: what bending adds to the stretch at its outermost face.
+	Eigen::Matrix3d bendingOf( const ThinCell& cell, int normal );
 	/// Mean of the squared strain by bending that the links do not have, since they join the cells' centres.
 	double hiddenSquare( const ThinCell& cell ) const;
+	/// Energy of bending in the links' share of the cells that they join, over Young's modulus, m^3.
+	double hiddenEnergy( const std::vector<CellLink>& links );
 	/// BreakRule::Distance: adds the links that are beyond their limits at the faces of thin parts, and keeps `found` ascending. `strain`:
 	/// the weakest link's.
 	void findOverbent( const LinkLimits& limits, const CellPositions& positions, std::vector<CellLink>& found );

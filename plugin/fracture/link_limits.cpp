@@ -66,7 +66,6 @@ LinkLimits limitLinks( const Lattice& lattice, float strain, std::vector<float> 
 		limits.start.push_back( std::uint32_t( limits.to.size() ) );
 	}
 	findWeakest( limits );
-	limits.thin = findThinCells( lattice );
 	return limits;
 }
 
@@ -114,7 +113,7 @@ LinkLimits inheritLimits( const LinkLimits& before, const Lattice& part, const s
 		limits.start.push_back( std::uint32_t( limits.to.size() ) );
 	}
 	findWeakest( limits );
-	limits.thin = inheritThinCells( before.thin, cells );
+	limits.thin = inheritThinCells( before.thin, part, cells );
 	return limits;
 }
 

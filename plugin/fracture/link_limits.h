@@ -21,7 +21,7 @@ struct LinkLimits
 	std::vector<float> toughness;     ///< factor on the settings' strain; empty: 1 everywhere
 	std::vector<float> lengthSquared; ///< beyond this the link breaks, m^2; infinity: never
 	float weakest = 1.0f;             ///< minimum toughness
-	std::vector<ThinCell> thin;       ///< cells at the faces of thin parts, ascending
+	std::vector<ThinCell> thin;       ///< cells at the faces of thin parts, ascending; limitLinks leaves it empty
 };
 
 /// The toughness of a cell against a pull along `normal`: the mean over its links, weighted by their alignment with the pull.

@@ -16,12 +16,30 @@ namespace pliant {
 void ThinCell::archive( Archive& archive )
 {
 	archive( cell, normals, normal[0], normal[1], height[0], height[1], half[0], half[1], pairs );
-	archive.require(
-		normals >= 1 && normals <= 2 && pairs >= 0 && pairs <= int( std::size( pair ) ) && normal[0].allFinite() && normal[1].allFinite(),
-		"A thin cell is not valid." );
+	archive.require( normals >= 1 && normals <= 2 && pairs >= 0 && pairs <= int( std::size( pair ) ), "A thin cell is not valid." );
+	for ( int k = 0; archive.isSound() && k < normals; ++k )
+	{
+		archive.require(
+			std::fabs( normal[k].norm() - 1.0f ) < kUnitNormal && std::isfinite( height[k] ) && half[k] > 0.0f && std::isfinite( half[k] ),
+			"A thin cell is not valid." );
+	}
 	for ( int k = 0; archive.isSound() && k < pairs; ++k )
 	{
 		archive( pair[k].a, pair[k].b, pair[k].square, pair[k].scale );
+		archive.require( std::isfinite( pair[k].square ) && std::isfinite( pair[k].scale ), "A thin cell is not valid." );
+	}
+}
+
+void archiveThinCells( Archive& archive, std::vector<ThinCell>& thin, std::size_t cells )
+{
+	archive( thin );
+	for ( std::size_t k = 0; archive.isReading() && archive.isSound() && k < thin.size(); ++k )
+	{
+		const ThinCell& own = thin[k];
+		const auto isIn = [cells]( const ThinCell::Pair& pair ) { return pair.a < cells && pair.b < cells; };
+		archive.require(
+			own.cell < cells && ( k == 0 || thin[k - 1].cell < own.cell ) && std::all_of( own.pair, own.pair + own.pairs, isIn ),
+			"A thin cell is that of another body." );
 	}
 }
 
@@ -151,7 +169,7 @@ void findPairs( const Lattice& lattice, ThinCell& thin )
 	float outside = 0.0f;
 	for ( int k = 0; k < thin.normals; ++k )
 	{
-		outside += thin.half[k] - std::fabs( thin.height[k] );
+		outside += thin.outside( k );
 	}
 	std::vector<std::pair<float, ThinCell::Pair>> found;
 	const auto add = [&]( std::uint32_t first, std::uint32_t second ) {
@@ -226,7 +244,7 @@ std::vector<ThinCell> findThinCells( const Lattice& lattice )
 	return thin;
 }
 
-std::vector<ThinCell> inheritThinCells( const std::vector<ThinCell>& before, const std::vector<std::uint32_t>& cells )
+std::vector<ThinCell> inheritThinCells( const std::vector<ThinCell>& before, const Lattice& part, const std::vector<std::uint32_t>& cells )
 {
 	std::vector<ThinCell> thin;
 	if ( before.empty() )
@@ -234,6 +252,7 @@ std::vector<ThinCell> inheritThinCells( const std::vector<ThinCell>& before, con
 		return thin;
 	}
 	constexpr std::uint32_t kGone = 0xffffffffu;
+	thin.reserve( std::min( before.size(), cells.size() ) );
 	std::vector<std::uint32_t> now( std::size_t( cells.back() ) + 1, kGone );
 	for ( std::uint32_t i = 0; i < std::uint32_t( cells.size() ); ++i )
 	{
@@ -249,12 +268,14 @@ std::vector<ThinCell> inheritThinCells( const std::vector<ThinCell>& before, con
 		thin.push_back( old );
 		thin.back().cell = numberOf( old.cell );
 		thin.back().pairs = 0;
+		const auto row = part.linkTo.begin() + part.linkStart[thin.back().cell],
+				   end = part.linkTo.begin() + part.linkStart[thin.back().cell + 1];
 		for ( int k = 0; k < old.pairs; ++k )
 		{
 			ThinCell::Pair pair = old.pair[k];
 			pair.a = numberOf( pair.a );
 			pair.b = numberOf( pair.b );
-			if ( pair.a != kGone && pair.b != kGone )
+			if ( std::binary_search( row, end, pair.a ) && std::binary_search( row, end, pair.b ) )
 			{
 				thin.back().pair[thin.back().pairs++] = pair;
 			}

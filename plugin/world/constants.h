@@ -69,7 +69,7 @@ inline constexpr int kGuardSweeps = 16;
 
 /// A penetration that a change of levels caused (penetration_allowance.h) is removed at the first of these velocities, radii of the body's
 /// smallest node per second, once the body has stayed slower than the second of them for the third, s.
-inline constexpr double kAllowanceOut = 10.0, kAllowanceCalm = 2.0, kAllowanceCalmFor = 0.25;
+inline constexpr double kAllowanceOut = 1.0, kAllowanceCalm = 2.0, kAllowanceCalmFor = 0.25;
 /// Nodes of a faster body that hold more than this fraction of its kinetic energy are not split where they touch something.
 inline constexpr double kSplitEnergy = 5e-4;
 

@@ -73,6 +73,25 @@ TEST( PlaneCracks, GoOnOnlyWhereItTakesAsMuchAsToBeginOne )
 	EXPECT_EQ( slab.breakFor( 60, 1.0f ).size(), broken.size() );
 }
 
+// The plane of a crack that began at the last cell before a free end lay outside of the body, broke nothing, and kept other cracks away.
+TEST( PlaneCracks, BeginWithinTheBody )
+{
+	for ( const bool isLow : { false, true } )
+	{
+		const Lattice lattice = makeBlockLattice( 8, 2, 2, kCell );
+		NodeState nodes = test::restNodes( lattice );
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			const int x = lattice.coordinate[std::size_t( i )].x();
+			nodes.x.x[std::size_t( i )] += x == 7 && !isLow ? 0.2f * kCell : x == 0 && isLow ? -0.2f * kCell : 0.0f;
+		}
+		PlaneCracks cracks( kBreakStrain, 1.0f );
+		std::vector<CellLink> broken;
+		cracks.find( lattice, limitLinks( lattice, cracks.candidateStrain(), {} ), CellPositions( nodes ), 0.0f, true, broken );
+		EXPECT_EQ( connectedParts( withoutLinks( lattice, broken ) ).size(), 2u ) << isLow;
+	}
+}
+
 TEST( PlaneCracks, RunOnAtTheirFractionAndBeginNoSooner )
 {
 	const Slab slab;

@@ -3,6 +3,7 @@
 
 #include "body/constants.h"
 #include "body/levels/levels.h"
+#include "fracture/constants.h"
 #include "fracture/thin_cells.h"
 
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace {
 
 /// Finds the pairs of a node's neighbours that lie on opposite sides of it along the part, the nearest first, in different directions.
 template <class Bend>
-void findPairs( const NodeState& nodes, const ThinCell& thin, float half, const std::vector<std::uint32_t>& around, Bend& bend )
+void findPairs( const NodeState& nodes, const ThinCell& thin, float outside, const std::vector<std::uint32_t>& around, Bend& bend )
 {
 	struct Candidate
 	{
@@ -49,11 +50,24 @@ void findPairs( const NodeState& nodes, const ThinCell& thin, float half, const 
 		if ( taken.size() < std::size( bend.pair ) && std::none_of( taken.begin(), taken.end(), isNear ) )
 		{
 			const float rest = ( nodes.x0.get( int( candidate.a ) ) + nodes.x0.get( int( candidate.b ) ) - 2.0f * middle ).squaredNorm();
-			bend.pair[taken.size()] = { candidate.a, candidate.b, rest, 4.0f * half / candidate.square };
+			bend.pair[taken.size()] = { candidate.a, candidate.b, rest, 4.0f * outside / candidate.square };
 			taken.push_back( candidate.direction );
 		}
 	}
 	bend.pairs = int( taken.size() );
+}
+
+/// How far the part's face lies outside of what a node's deformation is measured of, m: its links have their middle half a node below it. 0
+/// where the node is not at a face. `offset`: of the node from a cell of it.
+float outsideOf( const ThinCell& cell, const Vec3& offset, float size )
+{
+	float most = 0.0f;
+	for ( int k = 0; k < cell.normals; ++k )
+	{
+		const float height = std::fabs( cell.height[k] + cell.normal[k].dot( offset ) );
+		most = cell.half[k] - height < kAtFace * size ? std::max( most, cell.half[k] - height + std::min( height, 0.5f * size ) ) : most;
+	}
+	return most;
 }
 
 } // namespace
@@ -82,8 +96,9 @@ void Levels::findBends( const NodeState& nodes, const std::vector<ThinCell>& thi
 		around.erase( std::remove( around.begin(), around.end(), node ), around.end() );
 		Bends::Node bend;
 		bend.node = node;
-		findPairs( nodes, cell, std::max( cell.half[0], cell.half[1] ), around, bend );
-		if ( bend.pairs > 0 )
+		const float size = m_lattice->cellSize * float( 1 << levelOf( int( node ) ) );
+		findPairs( nodes, cell, outsideOf( cell, nodes.x0.get( int( node ) ) - m_lattice->restCentre[cell.cell], size ), around, bend );
+		if ( bend.pairs > 0 && bend.pair[0].scale > 0.0f )
 		{
 			m_bends.node.push_back( bend );
 		}
@@ -100,8 +115,7 @@ void Levels::addBending( const NodeState& nodes )
 		for ( int k = 0; k < bend.pairs; ++k )
 		{
 			const ThinCell::Pair& pair = bend.pair[k];
-			const float square = ( nodes.x.get( int( pair.a ) ) + nodes.x.get( int( pair.b ) ) - middle ).squaredNorm();
-			most = std::max( most, pair.scale * pair.scale * std::fabs( square - pair.square ) );
+			most = std::max( most, pair.bendingSquare( nodes.x.get( int( pair.a ) ) + nodes.x.get( int( pair.b ) ) - middle ) );
 		}
 		m_load[bend.node] += std::sqrt( most ) / m_refineStretch;
 	}

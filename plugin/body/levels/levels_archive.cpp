@@ -37,7 +37,7 @@ void Levels::archive( Archive& archive )
 	if ( archive.isReading() )
 	{
 		m_requested = std::move( requested );
-		m_reviewed.isKnown = false;
+		m_reviewed.isKnown = m_bends.isKnown = false;
 	}
 }
 

@@ -4,8 +4,6 @@
 #include "body/breaking.h"
 #include "fracture/shards/shard_cracks.h"
 
-#include <algorithm>
-
 namespace pliant {
 
 namespace {
@@ -24,9 +22,8 @@ void archiveLimits( Archive& archive, LinkLimits& limits, const Lattice& lattice
 		limits = limitLinks( lattice, strain, std::vector<float>( limits.toughness ) );
 	}
 	archive.sameLength( limits.lengthSquared );
-	archive( limits.weakest, limits.thin );
-	const auto isKnown = [&]( const ThinCell& thin ) { return thin.cell < std::uint32_t( lattice.cellCount() ); };
-	archive.require( std::all_of( limits.thin.begin(), limits.thin.end(), isKnown ), "A thin cell is that of another body." );
+	archive( limits.weakest );
+	archiveThinCells( archive, limits.thin, std::size_t( lattice.cellCount() ) );
 }
 
 } // namespace
@@ -64,6 +61,7 @@ void Breaking::archiveMake( Archive& archive, const Lattice& lattice, const Mate
 			 "The toughness is that of another body." ) &&
 		archive.isReading() )
 	{
+		limits.thin = findThinCells( lattice );
 		prepare( lattice, material, std::vector<float>( limits.toughness ) );
 	}
 }

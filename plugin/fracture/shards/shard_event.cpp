@@ -130,10 +130,10 @@ void ShardEvent::measureBending( Border& border )
 	const double count = double( border.thin.size() );
 	for ( const ThinCell* const thin : border.thin )
 	{
-		if ( m_faces.isBent( *thin ) )
+		for ( int k = 0; k < thin->normals && m_faces.isBent( *thin ); ++k )
 		{
-			const double side = border.thin.front()->normal[0].dot( thin->normal[0] ) < 0.0f ? -1.0 : 1.0;
-			border.bending += side / count * m_faces.bendingOf( *thin );
+			const double side = border.thin.front()->normal[k].dot( thin->normal[k] ) < 0.0f ? -1.0 : 1.0;
+			border.bending[k] += side / count * m_faces.bendingOf( *thin, k );
 		}
 	}
 	border.thin.clear();
@@ -166,7 +166,8 @@ void ShardEvent::addLink( Border& border, std::uint32_t a, std::uint32_t b, doub
 double ShardEvent::pullOn( Border& border, const Vec3d& normal )
 {
 	measureBending( border );
-	const double stretch = ( border.deformation * normal ).norm() - 1.0 + std::fabs( normal.dot( border.bending * normal ) );
+	const double stretch = ( border.deformation * normal ).norm() - 1.0 + std::fabs( normal.dot( border.bending[0] * normal ) ) +
+		std::fabs( normal.dot( border.bending[1] * normal ) );
 	return stretch / ( double( m_law.breakStrain ) * border.toughness );
 }
 

@@ -58,12 +58,13 @@ private:
 		Eigen::Matrix3d now = Eigen::Matrix3d::Zero();         ///< sum p q^T over its links
 		Eigen::Matrix3d rest = Eigen::Matrix3d::Zero();        ///< sum q q^T
 		Eigen::Matrix3d deformation = Eigen::Matrix3d::Zero(); ///< F
-		Eigen::Matrix3d bending = Eigen::Matrix3d::Zero();     ///< what bending adds to the stretch at the faces of thin parts
-		std::vector<const ThinCell*> thin;                     ///< ends of its links in thin parts, until `bending` is measured
-		Vec3d across = Vec3d::Zero();                          ///< its area times its normal, towards the second shard, m^2
-		Vec3d middle = Vec3d::Zero();                          ///< at rest
-		double toughness = 0.0;                                ///< factor on the break strain, the mean over links that can break
-		int links = 0;                                         ///< that can break
+		/// What bending along each normal of a thin part adds to the stretch at its faces.
+		Eigen::Matrix3d bending[2] = { Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero() };
+		std::vector<const ThinCell*> thin; ///< ends of its links in thin parts, until `bending` is measured
+		Vec3d across = Vec3d::Zero();      ///< its area times its normal, towards the second shard, m^2
+		Vec3d middle = Vec3d::Zero();      ///< at rest
+		double toughness = 0.0;            ///< factor on the break strain, the mean over links that can break
+		int links = 0;                     ///< that can break
 		bool isBroken = false;
 		unsigned visit = 0; ///< the crack that last looked at it
 	};

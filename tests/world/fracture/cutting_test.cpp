@@ -1,5 +1,6 @@
 // Cutting and healing in a world, and the handling of small pieces.
 
+#include "support/test_world.h"
 #include "world/test_world.h"
 
 #include <algorithm>
@@ -345,6 +346,31 @@ TEST( SmallPiecesPolicy, FadingOnesGoWhenTheirTimeIsUp )
 	test.run( 5 );
 	EXPECT_EQ( test.world.softBodyCount(), 2 );
 	test.world.removeSoftBody( mine );
+}
+
+// After a slanted cut nodes merge, whose spheres reach over the cut. The parts were pushed apart at .08 to .23 m/s.
+TEST( Cutting, PartsOfABodyOnLevelsStayTogether )
+{
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		for ( const int levels : { 1, 2 } )
+		{
+			test::SoftWorld test;
+			test.world.setGravity( btVector3( 0, 0, 0 ) );
+			Material material;
+			material.youngsModulus = 1e6f;
+			material.elasticity = elasticity;
+			Adaptivity adaptivity;
+			adaptivity.coarseLevels = levels;
+			SoftBody* const body = test.add(
+				test::cubeTemplate( 0.8f, 8 ), btVector3( 0, 0, 0 ), material, btQuaternion::getIdentity(), adaptivity );
+			test.step( 5 );
+			ASSERT_GT( body->cutPlane( btVector3( 0, 0, 0 ), btVector3( btScalar( 0.3 ), 1, 0 ).normalized() ), 0 );
+			test.step( 60 );
+			ASSERT_EQ( test.world.softBodyCount(), 2 );
+			EXPECT_LT( double( body->linearVelocity().length() ), 0.05 ) << levels << " levels";
+		}
+	}
 }
 
 } // namespace
