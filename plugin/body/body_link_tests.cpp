@@ -68,19 +68,14 @@ private:
 };
 
 /// The first thin cell under a node of the octree; null where there is none.
-const ThinCell* thinIn( const std::vector<ThinCell>& thin, const Octree& octree, std::uint32_t node )
+const ThinCell* thinIn( ShardCracks& shards, const Octree& octree, std::uint32_t node )
 {
-	const std::uint32_t* const first = octree.cells.data() + octree.cellStart[node];
-	for ( const std::uint32_t* cell = first; cell < first + octree.cellCount[node] && !thin.empty(); ++cell )
+	const ThinCell* found = nullptr;
+	for ( std::uint32_t k = octree.cellStart[node]; !found && k < octree.cellStart[node] + octree.cellCount[node]; ++k )
 	{
-		const auto own = std::lower_bound(
-			thin.begin(), thin.end(), *cell, []( const ThinCell& a, std::uint32_t b ) { return a.cell < b; } );
-		if ( own != thin.end() && own->cell == *cell )
-		{
-			return &*own;
-		}
+		found = shards.faces().thinCellOf( octree.cells[k] );
 	}
-	return nullptr;
+	return found;
 }
 
 } // namespace
@@ -105,7 +100,7 @@ void Body::noteCoarseOverloads()
 		Eigen::Matrix3f gradient = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( gradients.data() + 9 * k );
 		const std::uint32_t node = above[coarse[k]], middle = octree.cellStart[node] + std::uint32_t( octree.cellCount[node] ) / 2;
 		// F of a node in one layer has the normal of the layer before the step: across it, it is no strain.
-		if ( const ThinCell* const thin = thinIn( m_breaking->limits.thin, octree, node ) )
+		if ( const ThinCell* const thin = thinIn( *m_breaking->shards, octree, node ) )
 		{
 			gradient -= gradient * thin->normal[0] * thin->normal[0].transpose();
 		}

@@ -397,15 +397,12 @@ void FaceStretch::findOverbent( const LinkLimits& limits, const CellPositions& p
 		const Eigen::Matrix3d face = deformationOf( i, false );
 		for ( std::uint32_t l = m_lattice->linkStart[i]; l < m_lattice->linkStart[i + 1]; ++l )
 		{
-			const std::uint32_t j = m_lattice->linkTo[l], lower = std::min( i, j ), higher = std::max( i, j );
-			const auto row = limits.to.begin() + limits.start[lower], end = limits.to.begin() + limits.start[lower + 1];
-			const auto k = std::size_t( std::lower_bound( row, end, higher ) - limits.to.begin() );
+			const std::uint32_t j = m_lattice->linkTo[l];
 			const Vec3d q = ( m_lattice->restCentre[j] - m_lattice->restCentre[i] ).cast<double>();
-			const double rest = q.norm(), factor = std::max( positions.strainFactor( i ), positions.strainFactor( j ) );
-			const double longest = rest + factor * ( std::sqrt( double( limits.lengthSquared[k] ) ) - rest );
-			if ( positions.mayBreak( j ) && ( face * q ).norm() > longest )
+			const float longest = breakingSquared( limits.lengthSquared[limits.linkOf( i, j )], positions, i, j );
+			if ( positions.mayBreak( j ) && ( face * q ).squaredNorm() > double( longest ) )
 			{
-				found.push_back( CellLink{ lower, higher } );
+				found.push_back( CellLink{ std::min( i, j ), std::max( i, j ) } );
 			}
 		}
 	}

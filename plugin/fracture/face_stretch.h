@@ -36,8 +36,7 @@ public:
 	double hiddenSquare( const ThinCell& cell ) const;
 	/// Energy of bending in the links' share of the cells that they join, over Young's modulus, m^3.
 	double hiddenEnergy( const std::vector<CellLink>& links );
-	/// BreakRule::Distance: adds the links that are beyond their limits at the faces of thin parts, and keeps `found` ascending. `strain`:
-	/// the weakest link's.
+	/// BreakRule::Distance: adds the links that are beyond their limits at the faces of thin parts, and keeps `found` ascending.
 	void findOverbent( const LinkLimits& limits, const CellPositions& positions, std::vector<CellLink>& found );
 	const std::vector<ThinCell>& thin() const { return *m_thin; }
 	const LinkMoments& moments() const { return m_moments; }

@@ -15,19 +15,18 @@ float limitSquared( const Lattice& lattice, std::uint32_t a, std::uint32_t b, fl
 	return longest * longest;
 }
 
-/// Toughness of the link from the lower cell to the higher.
-float toughnessOf( const LinkLimits& limits, std::uint32_t a, std::uint32_t b )
-{
-	const auto row = limits.to.begin() + limits.start[a], end = limits.to.begin() + limits.start[a + 1];
-	return limits.toughness[std::size_t( std::lower_bound( row, end, b ) - limits.to.begin() )];
-}
-
 void findWeakest( LinkLimits& limits )
 {
 	limits.weakest = limits.toughness.empty() ? 1.0f : *std::min_element( limits.toughness.begin(), limits.toughness.end() );
 }
 
 } // namespace
+
+std::size_t LinkLimits::linkOf( std::uint32_t a, std::uint32_t b ) const
+{
+	const std::uint32_t lower = std::min( a, b ), higher = std::max( a, b );
+	return std::size_t( std::lower_bound( to.begin() + start[lower], to.begin() + start[lower + 1], higher ) - to.begin() );
+}
 
 double toughnessAlong( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, const Vec3d& normal )
 {
@@ -40,7 +39,7 @@ double toughnessAlong( const Lattice& lattice, const LinkLimits& limits, std::ui
 	{
 		const std::uint32_t j = lattice.linkTo[k];
 		const double along = ( lattice.restCentre[j] - lattice.restCentre[cell] ).cast<double>().normalized().dot( normal );
-		sum += along * along * toughnessOf( limits, std::min( cell, j ), std::max( cell, j ) );
+		sum += along * along * limits.toughness[limits.linkOf( cell, j )];
 		weights += along * along;
 	}
 	return sum / weights;
@@ -172,9 +171,7 @@ void findOverstretched( const LinkLimits& limits, const NodeState& nodes, std::v
 	}
 }
 
-namespace {
-
-/// ( L + b ( M - L ) )^2 for two cells with rest distance L whose link has the limit M at b = 1.
+// ( L + b ( M - L ) )^2 with the rest length L and the limit M at b = 1.
 float breakingSquared( float limitSquared, const CellPositions& positions, std::uint32_t i, std::uint32_t j )
 {
 	const float strainFactor = std::max( positions.strainFactor( i ), positions.strainFactor( j ) ),
@@ -182,8 +179,6 @@ float breakingSquared( float limitSquared, const CellPositions& positions, std::
 	const float breaking = rest + strainFactor * ( std::sqrt( limitSquared ) - rest );
 	return strainFactor == 1.0f ? limitSquared : breaking * breaking;
 }
-
-} // namespace
 
 void findOverstretched( const LinkLimits& limits, const CellPositions& positions, std::vector<CellLink>& found )
 {

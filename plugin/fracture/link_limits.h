@@ -22,6 +22,9 @@ struct LinkLimits
 	std::vector<float> lengthSquared; ///< beyond this the link breaks, m^2; infinity: never
 	float weakest = 1.0f;             ///< minimum toughness
 	std::vector<ThinCell> thin;       ///< cells at the faces of thin parts, ascending; limitLinks leaves it empty
+
+	/// Number of the link between two cells.
+	std::size_t linkOf( std::uint32_t a, std::uint32_t b ) const;
 };
 
 /// The toughness of a cell against a pull along `normal`: the mean over its links, weighted by their alignment with the pull.
@@ -36,6 +39,10 @@ std::vector<float> inheritToughness( const LinkLimits& before, const Lattice& pa
 /// Returns the limits for some cells of a lattice (ascending): those of the old links, computed for `strain`, are kept; healed ones are
 /// computed. limitLinks with inheritToughness is the reference implementation.
 LinkLimits inheritLimits( const LinkLimits& before, const Lattice& part, const std::vector<std::uint32_t>& cells, float strain );
+
+/// Square of the length beyond which a link of two cells that can break does so: farther where one of them is next to coarse nodes, m^2.
+/// `limitSquared`: LinkLimits::lengthSquared of the link.
+float breakingSquared( float limitSquared, const CellPositions& positions, std::uint32_t i, std::uint32_t j );
 
 /// Finds all links beyond their limits, ascending. Cells are nodes.
 void findOverstretched( const LinkLimits& limits, const NodeState& nodes, std::vector<CellLink>& found );

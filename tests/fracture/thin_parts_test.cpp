@@ -171,6 +171,20 @@ TEST( ThinParts, HaveTheEnergyThatLinksDoNot )
 	}
 }
 
+/// A plate of 2 x .8 m, rotated against the lattice.
+Lattice slantedPlate( double thickness, const Eigen::Matrix3d& turn )
+{
+	test::Mesh plate = test::makeBox( { -1.0, -0.4, -0.5 * thickness }, { 1.0, 0.4, 0.5 * thickness } );
+	for ( std::size_t i = 0; i < plate.positions.size(); i += 3 )
+	{
+		Eigen::Map<Vec3> at( plate.positions.data() + i );
+		at = ( turn * at.cast<double>() ).cast<float>();
+	}
+	LatticeSettings settings;
+	settings.cellSize = kEdge;
+	return buildLattice( plate.view(), settings ).value.lattice;
+}
+
 // The normal of a slanted part is not an axis of the lattice, and its cells are partly filled.
 TEST( ThinParts, SlantedPlatesBreakLikewise )
 {
@@ -182,15 +196,7 @@ TEST( ThinParts, SlantedPlatesBreakLikewise )
 			{
 				const Eigen::Matrix3d turn = ( Eigen::AngleAxisd( tilt, Vec3d::UnitX() ) * Eigen::AngleAxisd( angle, Vec3d::UnitY() ) )
 												 .toRotationMatrix();
-				test::Mesh plate = test::makeBox( { -1.0, -0.4, -0.5 * thickness }, { 1.0, 0.4, 0.5 * thickness } );
-				for ( std::size_t i = 0; i < plate.positions.size(); i += 3 )
-				{
-					Eigen::Map<Vec3> at( plate.positions.data() + i );
-					at = ( turn * at.cast<double>() ).cast<float>();
-				}
-				LatticeSettings settings;
-				settings.cellSize = kEdge;
-				const Lattice lattice = buildLattice( plate.view(), settings ).value.lattice;
+				const Lattice lattice = slantedPlate( thickness, turn );
 				for ( const BreakRule rule : kBendRules )
 				{
 					EXPECT_NEAR( breakingBend( lattice, turn.transpose(), thickness, rule ), 1.0, 0.25 )
@@ -210,15 +216,7 @@ TEST( ThinParts, AreNotStrainedAtRestWhateverLinksTheyHave )
 	std::mt19937 random( 7 );
 	for ( const double thickness : { 0.06, 0.1, 0.2 } )
 	{
-		test::Mesh plate = test::makeBox( { -1.0, -0.4, -0.5 * thickness }, { 1.0, 0.4, 0.5 * thickness } );
-		for ( std::size_t i = 0; i < plate.positions.size(); i += 3 )
-		{
-			Eigen::Map<Vec3> at( plate.positions.data() + i );
-			at = ( turn * at.cast<double>() ).cast<float>();
-		}
-		LatticeSettings settings;
-		settings.cellSize = kEdge;
-		const Lattice whole = buildLattice( plate.view(), settings ).value.lattice;
+		const Lattice whole = slantedPlate( thickness, turn );
 		std::vector<CellLink> gone;
 		for ( std::uint32_t i = 0; i < std::uint32_t( whole.cellCount() ); ++i )
 		{

@@ -42,6 +42,8 @@ public:
 
 	/// Finds where the material is stretched beyond its strength. `limits` made for candidateStrain().
 	void findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions );
+	/// Updated by findOverloads.
+	FaceStretch& faces() { return m_faces; }
 	/// Adds a cell under a coarse node to the overloaded cells if its F exceeds the strength. Call after findOverloads.
 	void noteOverload( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, const Eigen::Matrix3d& deformation );
 	/// Runs cracks from the overloaded cells and adds the links that break, ascending. Returns false if none is overloaded. `positions` is
