@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace pliant {
@@ -163,6 +164,17 @@ Vec3d IslandBlock::unscaledTangentImpulse( const BlockContact& contact ) const
 	return axes.eigenvectors() * ( inverse.asDiagonal() * ( axes.eigenvectors().transpose() * contact.tangentImpulse ) );
 }
 
+// A small piece that comes off under a load keeps its contacts' impulses: k must be so large that they cannot throw it, kg.
+double IslandBlock::stiffnessForPieces( const BlockContact& contact ) const
+{
+	const bool isThrown = !contact.isAttachment() &&
+		std::any_of( std::begin( contact.side ), std::end( contact.side ), [&]( const ContactSide& side ) {
+			return side.soft >= 0 &&
+				contact.normalImpulse > kContactStiffness * kPushOutSpeed * double( soft[std::size_t( side.soft )].owner->mass() );
+		} );
+	return isThrown ? contact.normalImpulse / kPushOutSpeed : 0.0;
+}
+
 // k is a multiple of the nodes' own resistance: large enough for a small error at first contact, and small enough for good conditioning.
 void IslandBlock::chooseStiffness()
 {
@@ -189,6 +201,7 @@ void IslandBlock::chooseStiffness()
 			}
 		}
 		contact.stiffness = ( contact.hasExplicitSide ? kExplicitAttachmentStiffness : kContactStiffness ) * least;
+		contact.stiffness = std::max( contact.stiffness, stiffnessForPieces( contact ) );
 		contact.normalMultiplier = contact.normalImpulse;
 		contact.tangentMultiplier = unscaledTangentImpulse( contact );
 		if ( contact.compliance > 0.0 )

@@ -326,6 +326,7 @@ private:
 	// The law, in contact_law.cpp.
 	Vec3d unscaledTangentImpulse( const BlockContact& contact ) const;
 	void chooseStiffness();
+	double stiffnessForPieces( const BlockContact& contact ) const;
 	/// `passes`: the number of passes made so far.
 	void linearise( const float* v, int passes );
 	bool isUnphysical() const; ///< contacts pull, or friction exceeds its limits by far

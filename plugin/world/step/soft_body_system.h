@@ -203,7 +203,7 @@ private:
 	/// motions of its free parts; returns its energy, J.
 	double respondTo( SoftBody& body, const AlignedArray<float>& impulse, AlignedArray<float>& response );
 	/// Solves an implicit body's velocities accurately for the impulses of its contacts on its nodes, N s. Rigid motions stay.
-	void refineSolution( SoftBody& body, const AlignedArray<float>& impulse );
+	void refineSolution( SoftBody& body, const AlignedArray<float>& impulse, double most );
 	BlockSolve& implicitSolve() { return m_implicit[int( m_pass )]; }
 	/// Returns the number of substeps that the body takes in the game step.
 	int substepsOf( const SoftBody& body ) const;
