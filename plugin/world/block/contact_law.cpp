@@ -164,15 +164,16 @@ Vec3d IslandBlock::unscaledTangentImpulse( const BlockContact& contact ) const
 	return axes.eigenvectors() * ( inverse.asDiagonal() * ( axes.eigenvectors().transpose() * contact.tangentImpulse ) );
 }
 
-// A small piece that comes off under a load keeps its contacts' impulses: k must be so large that they cannot throw it, kg.
+// A small piece that comes off under a load keeps its contacts' impulses. An impulse ln separates a contact by ln / k at most, so that the
+// piece leaves at no more than kPushOutSpeed with the k that is returned, kg; 0 where the body is heavy enough for the k of its nodes.
 double IslandBlock::stiffnessForPieces( const BlockContact& contact ) const
 {
-	const bool isThrown = !contact.isAttachment() &&
+	const bool isThrowable = !contact.isAttachment() &&
 		std::any_of( std::begin( contact.side ), std::end( contact.side ), [&]( const ContactSide& side ) {
 			return side.soft >= 0 &&
 				contact.normalImpulse > kContactStiffness * kPushOutSpeed * double( soft[std::size_t( side.soft )].owner->mass() );
 		} );
-	return isThrown ? contact.normalImpulse / kPushOutSpeed : 0.0;
+	return isThrowable ? contact.normalImpulse / kPushOutSpeed : 0.0;
 }
 
 // k is a multiple of the nodes' own resistance: large enough for a small error at first contact, and small enough for good conditioning.

@@ -175,15 +175,13 @@ double SoftBodySystem::respondTo( SoftBody& body, const AlignedArray<float>& imp
 	return 0.5 * dot( load.data(), response.data(), int( load.size() ) );
 }
 
-// `most`: bound of the energy of the solution's error, J. Parts that hardly resist, as one that hangs by a link, are not solved to that,
-// and would be thrown: then the velocities stay as they are.
+// Parts that hardly resist, as one that hangs by a link, would be thrown by impulses that are not exact.
 void SoftBodySystem::refineSolution( SoftBody& body, const AlignedArray<float>& impulse, double most )
 {
 	ImplicitMotion& motion = *body.impl().body->implicit();
 	const std::size_t padded = std::size_t( motion.padded() );
 	AlignedArray<float> all( impulse.size() ), momentum( impulse.size() ), velocity( impulse.size() );
 	motion.copyVelocities( velocity.data() );
-	const AlignedArray<float> before = velocity;
 	for ( std::size_t i = 0; i < all.size(); ++i )
 	{
 		all[i] = motion.rightSide()[i] + impulse[i];
@@ -191,13 +189,11 @@ void SoftBodySystem::refineSolution( SoftBody& body, const AlignedArray<float>& 
 	}
 	respondTo( body, all, velocity );
 	motion.giveMomentum( momentum.data(), velocity.data() );
-	double changed = 0.0;
-	for ( std::size_t i = 0; i < velocity.size(); ++i )
+	for ( std::size_t i = 0; i < all.size(); ++i )
 	{
-		const double mass = double( motion.nodes().mass[i % padded] ), change = double( velocity[i] ) - double( before[i] );
-		changed += 0.5 * mass * change * change;
+		all[i] = motion.nodes().mass[i % padded] * velocity[i] - momentum[i];
 	}
-	if ( changed <= most )
+	if ( energyOfNodes( body, all ) <= most )
 	{
 		motion.setNodeVelocities( velocity.data() );
 	}
@@ -210,7 +206,8 @@ void SoftBodySystem::strainByImpact( const IslandBlock& block, int part, double 
 	// The impulse without that of the weight, and its energy: what rests or slides is not solved again.
 	const Vec3d pushed = load.sum + body.impl().mass * h * toVec3d( gravityOf( body ) );
 	const double pushEnergy = pushed.squaredNorm() / ( 2.0 * body.impl().mass );
-	if ( !couldBreak( body, std::max( load.energy, kSolutionError * pushEnergy ) ) )
+	const double largestEnergy = std::max( load.energy, kSolutionError * pushEnergy );
+	if ( !couldBreak( body, largestEnergy ) )
 	{
 		return;
 	}
@@ -219,7 +216,7 @@ void SoftBodySystem::strainByImpact( const IslandBlock& block, int part, double 
 	{
 		return; // the velocities are better than these impulses: their differences would bend a pane
 	}
-	refineSolution( body, load.impulse, std::max( load.energy, kSolutionError * pushEnergy ) );
+	refineSolution( body, load.impulse, largestEnergy );
 	if ( !couldBreak( body, energy ) )
 	{
 		return;

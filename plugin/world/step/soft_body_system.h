@@ -202,7 +202,8 @@ private:
 	/// Changes `response`, a first guess, to the velocities of an implicit body that has got impulses on its nodes, N s, without the rigid
 	/// motions of its free parts; returns its energy, J.
 	double respondTo( SoftBody& body, const AlignedArray<float>& impulse, AlignedArray<float>& response );
-	/// Solves an implicit body's velocities accurately for the impulses of its contacts on its nodes, N s. Rigid motions stay.
+	/// Solves an implicit body's velocities accurately for the impulses of its contacts on its nodes, N s. Rigid motions stay, and all
+	/// velocities where their change has more energy than `most`, J.
 	void refineSolution( SoftBody& body, const AlignedArray<float>& impulse, double most );
 	BlockSolve& implicitSolve() { return m_implicit[int( m_pass )]; }
 	/// Returns the number of substeps that the body takes in the game step.
