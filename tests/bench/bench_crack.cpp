@@ -4,13 +4,18 @@
 #include "lattice/test_meshes.h"
 #include "support/block_body.h"
 #include "support/crack_piece.h"
+#include "support/explicit_material.h"
+#include "support/test_world.h"
 #include "surface/crack_complex/cell_complex.h"
 #include "surface/crack_mesh/crack_view.h"
 #include "surface/crack_state/crack_surface.h"
 
 #include <benchmark/benchmark.h>
 
+#include <pliant/render/gpu_surface.h>
+
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 namespace pliant {
@@ -167,6 +172,55 @@ void crackedSkin( benchmark::State& state )
 	state.counters["triangles"] = triangles.count;
 }
 BENCHMARK( crackedSkin )->ArgName( "shown" )->DenseRange( 0, 3 )->Unit( benchmark::kMicrosecond );
+
+/// A frame of a body of 2 000 cells that turns, stays in one piece and gets a small cut in each frame. `gpu`: its tables are read.
+void crackingFrame( benchmark::State& state )
+{
+	constexpr int kFrames = 24; // then a new body
+	const test::Mesh mesh = test::makeBumpySphere( 1.0, 0.2, 40, 64 );
+	LatticeSettings settings;
+	settings.targetCells = 2000;
+	const auto shape = BodyTemplate::build( mesh.view(), settings ).value;
+	std::unique_ptr<test::SoftWorld> scene;
+	SoftBody* body = nullptr;
+	int frame = kFrames, links = 0, frames = 0;
+	double cracks = 0.0, skins = 0.0;
+	for ( auto _ : state )
+	{
+		if ( frame == kFrames )
+		{
+			state.PauseTiming();
+			scene = std::make_unique<test::SoftWorld>();
+			scene->world.setGravity( btVector3( 0, 0, 0 ) );
+			body = scene->add( shape, btVector3( 0, 0, 0 ), test::explicitMaterial() );
+			static_cast<void>( body->prepareCracks() );
+			static_cast<void>( body->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, 2, 0 ) ) );
+			scene->step( 1 );
+			body->surface();
+			frame = 0;
+			state.ResumeTiming();
+		}
+		const btScalar height = btScalar( 0.06 ) * btScalar( frame - kFrames / 2 );
+		const btVector3 to( btScalar( std::cos( 2.4 * frame ) ), 0, btScalar( std::sin( 2.4 * frame ) ) );
+		const btVector3 at = body->massCentre() + btVector3( 0, height, 0 ) + btScalar( 0.6 ) * to;
+		links += state.range( 1 ) != 0 ? body->cutPlane( at, btVector3( 0, 1, 0 ), btScalar( 0.25 ) ) : 0;
+		scene->step( 1 );
+		state.range( 0 ) != 0 ? benchmark::DoNotOptimize( body->gpuSurface().frame ) : benchmark::DoNotOptimize( body->surface().frame );
+		cracks += scene->world.stepReport().fracture;
+		skins += scene->world.stepReport().skinning;
+		++frame;
+		++frames;
+	}
+	state.counters["links"] = double( links ) / frames;
+	state.counters["cracks_us"] = 1e6 * cracks / frames;
+	state.counters["skins_us"] = 1e6 * skins / frames;
+	state.counters["bodies"] = scene->world.softBodyCount();
+}
+BENCHMARK( crackingFrame )
+	->ArgNames( { "gpu", "cuts" } )
+	->ArgsProduct( { { 0, 1 }, { 0, 1 } } )
+	->Iterations( 240 )
+	->Unit( benchmark::kMicrosecond );
 
 } // namespace
 } // namespace pliant
