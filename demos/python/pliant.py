@@ -266,11 +266,6 @@ class Surface(Structure):
         ("triangle_source", POINTER(c_uint32)),
         ("vertices", c_int32),
         ("triangles", c_int32),
-        ("changed_since", c_uint32),
-        ("first_new_vertex", c_int32),
-        ("first_new_triangle", c_int32),
-        ("first_changed_triangle", c_int32),
-        ("last_changed_triangle", c_int32),
         ("frame", c_uint32),
     ]
 

@@ -10,7 +10,6 @@
 #include "matching/regions/level_tables.h"
 #include "surface/crack_complex/cell_complex.h"
 #include "surface/crack_state/crack_patches.h"
-#include "surface/crack_state/crack_surface.h"
 #include "surface/render/skin_tables.h"
 #include "surface/render/vertex_data.h"
 #include "surface/skin/skinning.h"
@@ -43,7 +42,6 @@ struct BodyTemplate::Data
 	std::mutex crackMutex;
 	bool hasTriedCracks = false;
 	std::shared_ptr<const CellComplex> crackComplex;
-	std::shared_ptr<const CrackSurface> crackSurface;
 	std::shared_ptr<const CrackPatches> crackPatches;
 
 	std::once_flag isHashed;
@@ -351,17 +349,10 @@ std::shared_ptr<const CellComplex> BodyTemplate::crackComplex() const
 		mesh.triangleCount = std::size_t( data.triangleCount );
 		mesh.textureCoordinates = dataOrNull( data.textureCoordinates );
 		data.crackComplex = CellComplex::build( mesh, *data.lattice, data.skin, data.settings, data.settings.cracks ).value;
-		data.crackSurface = data.crackComplex ? std::make_shared<const CrackSurface>( data.crackComplex ) : nullptr;
-		data.crackPatches = data.crackSurface ? CrackPatches::make( *data.crackSurface, mesh.textureCoordinates ) : nullptr;
+		data.crackPatches = data.crackComplex ? CrackPatches::make( data.crackComplex, mesh.textureCoordinates ) : nullptr;
 		data.hasTriedCracks = true;
 	}
 	return data.crackComplex;
-}
-
-std::shared_ptr<const CrackSurface> BodyTemplate::crackSurface() const
-{
-	crackComplex();
-	return m_data->crackSurface;
 }
 
 std::shared_ptr<const CrackPatches> BodyTemplate::crackPatches() const

@@ -105,13 +105,7 @@ inline constexpr float kFarthestMove = 1.25f;
 
 /// A list is sparse where it has fewer than one in this many of all items: it is then faster to visit it than all of them.
 inline constexpr std::size_t kSparseFraction = 32;
-/// Pieces of less than one in this many of the template's items search for indices instead of storing a table of the template's size.
-inline constexpr std::size_t kTableFraction = 16;
-/// A body of which more than one face in this many breaks at once is drawn from patches, since most of its drawn surface is new.
-inline constexpr std::size_t kFewFaces = 16;
 /// Smaller shifts of a unit normal are rounding errors and are ignored.
 inline constexpr float kSeenShift = 1e-6f;
-/// Tolerance for the rounded sum of weights, which is 1.
-inline constexpr double kWeightSumSlack = 1e-5;
 
 } // namespace pliant

@@ -3,12 +3,11 @@
 #include "lattice/build/build_lattice.h"
 #include "lattice/test_meshes.h"
 #include "support/block_body.h"
-#include "support/crack_piece.h"
+#include "support/drawn_cracks.h"
 #include "support/explicit_material.h"
 #include "support/test_world.h"
 #include "surface/crack_complex/cell_complex.h"
 #include "surface/crack_mesh/crack_view.h"
-#include "surface/crack_state/crack_surface.h"
 
 #include <benchmark/benchmark.h>
 
@@ -17,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 
 namespace pliant {
 namespace {
@@ -71,47 +71,61 @@ void buildCellComplex( benchmark::State& state )
 }
 BENCHMARK( buildCellComplex )->Arg( 0 )->Arg( 1 )->Unit( benchmark::kMillisecond );
 
+/// Both the sides of the cracks and what they follow.
 void openCracks( benchmark::State& state )
 {
 	const Broken body( state.range( 0 ) != 0 );
+	const auto patches = CrackPatches::make( body.complex, nullptr );
 	for ( auto _ : state )
 	{
 		state.PauseTiming();
-		CrackSurface surface( body.complex );
+		CrackSides sides( patches );
 		state.ResumeTiming();
-		surface.breakFaces( body.faces );
-		benchmark::DoNotOptimize( surface.vertexCount() );
+		sides.breakFaces( body.faces );
+		benchmark::DoNotOptimize( sides.sideOf( 0 ) );
 	}
 	state.SetItemsProcessed( std::int64_t( body.faces.size() ) * state.iterations() ); // faces
 }
 BENCHMARK( openCracks )->Arg( 0 )->Arg( 1 )->Unit( benchmark::kMicrosecond );
 
-void settleCracks( benchmark::State& state )
+/// The whole body, once its eight slabs are separated by cracks.
+void drawCracks( benchmark::State& state )
 {
 	const Broken body( state.range( 0 ) != 0 );
+	CrackSides sides( CrackPatches::make( body.complex, nullptr ) );
+	sides.breakFaces( body.faces );
+	std::vector<std::uint32_t> all( body.complex->cellCount() );
+	std::iota( all.begin(), all.end(), 0u );
+	CrackGatherer gatherer;
+	CrackView view;
 	for ( auto _ : state )
 	{
-		state.PauseTiming();
-		CrackSurface surface( body.complex );
-		surface.breakFaces( body.faces );
-		state.ResumeTiming();
-		surface.updateBinding();
-		benchmark::DoNotOptimize( surface.vertexCount() );
+		gatherer.gather( sides, all, Vec3::Zero(), view );
+		benchmark::DoNotOptimize( view.triangles.data() );
 	}
-	state.SetItemsProcessed( std::int64_t( body.faces.size() ) * state.iterations() );
 }
-BENCHMARK( settleCracks )->Arg( 0 )->Arg( 1 )->Unit( benchmark::kMicrosecond );
+BENCHMARK( drawCracks )->Arg( 0 )->Arg( 1 )->Unit( benchmark::kMicrosecond );
 
+/// Each slab from its own faces.
 void takePieces( benchmark::State& state )
 {
 	const Broken body( state.range( 0 ) != 0 );
-	CrackSurface surface( body.complex );
-	surface.breakFaces( body.faces );
+	const auto patches = CrackPatches::make( body.complex, nullptr );
+	std::vector<std::vector<std::uint32_t>> faces( body.slabs.size() );
+	for ( const std::uint32_t f : body.faces )
+	{
+		faces[body.slabOf( body.complex->face[f].cellA )].push_back( f );
+		faces[body.slabOf( body.complex->face[f].cellB )].push_back( f );
+	}
 	for ( auto _ : state )
 	{
-		for ( const auto& slab : body.slabs )
+		for ( std::size_t k = 0; k < faces.size(); ++k )
 		{
-			benchmark::DoNotOptimize( test::takenPiece( surface, body.complex, slab ).vertexCount() );
+			CrackSides sides( patches );
+			sides.breakFaces( faces[k] );
+			CrackView view;
+			CrackGatherer().gather( sides, body.slabs[k], Vec3::Zero(), view );
+			benchmark::DoNotOptimize( view.triangles.data() );
 		}
 	}
 }
@@ -120,7 +134,7 @@ BENCHMARK( takePieces )->Arg( 0 )->Arg( 1 )->Unit( benchmark::kMicrosecond );
 enum class Shown : int
 {
 	Whole,   ///< no crack yet: the input's vertices
-	Placed,  ///< cracked across the middle, cuts interpolated that no crack divides
+	Placed,  ///< cracked across the middle, all cuts interpolated that no crack divides
 	Blended, ///< the same with every vertex blended from its cells
 	AsOne    ///< the same as Placed, panels as in the input
 };
@@ -130,17 +144,13 @@ void crackedSkin( benchmark::State& state )
 {
 	const Shown shown = Shown( state.range( 0 ) );
 	const Broken body( true, 500 );
-	CrackSurface surface( body.complex );
+	test::DrawnCracks surface( shown == Shown::AsOne ? body.complex : test::withAllCuts( body.complex ) );
 	std::vector<std::uint32_t> across;
 	std::copy_if( body.faces.begin(), body.faces.end(), std::back_inserter( across ), [&body]( std::uint32_t f ) {
 		return body.slabOf( body.complex->face[f].cellA ) / 4 != body.slabOf( body.complex->face[f].cellB ) / 4;
 	} );
 	surface.breakFaces( across );
-	surface.updateBinding();
-	CrackView view;
-	const std::vector<float> texture( 2 * std::size_t( surface.vertexCount() ) );
-	surface.showPanelsAsOne( texture.data(), view );
-	SkinBinding binding = shown == Shown::Whole ? body.skinning : shown == Shown::AsOne ? *view.binding : surface.binding();
+	SkinBinding binding = shown == Shown::Whole ? body.skinning : surface.binding();
 	if ( shown == Shown::Blended )
 	{
 		binding.placed.clear();
@@ -157,8 +167,7 @@ void crackedSkin( benchmark::State& state )
 		Eigen::Map<Eigen::Vector4f>( rotations.data() + 4 * i ) = turn.coeffs();
 	}
 	const SkinTriangles triangles = shown == Shown::Whole ? SkinTriangles{ body.mesh.indices.data(), int( body.mesh.triangleCount() ) }
-		: shown == Shown::AsOne                           ? SkinTriangles{ view.triangles[0].data(), view.triangleCount }
-								: SkinTriangles{ surface.triangles().front().data(), int( surface.triangles().size() ) };
+														  : surface.view().shown();
 	SkinScratch scratch;
 	std::vector<float> positions( 3 * binding.restPosition.size() ), normals( positions.size() );
 	for ( auto _ : state )
@@ -173,7 +182,8 @@ void crackedSkin( benchmark::State& state )
 }
 BENCHMARK( crackedSkin )->ArgName( "shown" )->DenseRange( 0, 3 )->Unit( benchmark::kMicrosecond );
 
-/// A frame of a body of 2 000 cells that turns, stays in one piece and gets a small cut in each frame. `gpu`: its tables are read.
+/// A frame of a body of 2 000 cells that turns, stays in one piece and gets a cut of a radius in mm in each frame. `gpu`: its tables are
+/// read.
 void crackingFrame( benchmark::State& state )
 {
 	constexpr int kFrames = 24; // then a new body
@@ -203,7 +213,7 @@ void crackingFrame( benchmark::State& state )
 		const btScalar height = btScalar( 0.06 ) * btScalar( frame - kFrames / 2 );
 		const btVector3 to( btScalar( std::cos( 2.4 * frame ) ), 0, btScalar( std::sin( 2.4 * frame ) ) );
 		const btVector3 at = body->massCentre() + btVector3( 0, height, 0 ) + btScalar( 0.6 ) * to;
-		links += state.range( 1 ) != 0 ? body->cutPlane( at, btVector3( 0, 1, 0 ), btScalar( 0.25 ) ) : 0;
+		links += body->cutPlane( at, btVector3( 0, 1, 0 ), btScalar( 0.001 ) * btScalar( state.range( 1 ) ) ); // 0: none
 		scene->step( 1 );
 		state.range( 0 ) != 0 ? benchmark::DoNotOptimize( body->gpuSurface().frame ) : benchmark::DoNotOptimize( body->surface().frame );
 		cracks += scene->world.stepReport().fracture;
@@ -217,8 +227,8 @@ void crackingFrame( benchmark::State& state )
 	state.counters["bodies"] = scene->world.softBodyCount();
 }
 BENCHMARK( crackingFrame )
-	->ArgNames( { "gpu", "cuts" } )
-	->ArgsProduct( { { 0, 1 }, { 0, 1 } } )
+	->ArgNames( { "gpu", "cut" } )
+	->ArgsProduct( { { 0, 1 }, { 0, 80, 250 } } )
 	->Iterations( 240 )
 	->Unit( benchmark::kMicrosecond );
 

@@ -7,9 +7,8 @@
 #include "lattice/pieces.h"
 #include "lattice/test_meshes.h"
 #include "support/block_body.h"
-#include "support/crack_piece.h"
+#include "support/drawn_cracks.h"
 #include "surface/crack_complex/cell_complex.h"
-#include "surface/crack_state/crack_surface.h"
 
 #ifdef PLIANT_HAS_PICTURES
 	#include "third_party_glue/offscreen.h"
@@ -89,7 +88,7 @@ std::vector<CellLink> linksBetween( const Lattice& lattice, const std::vector<st
 	return links;
 }
 
-DrawnPiece drawPiece( const CrackSurface& surface, const Lattice& lattice, const Vec3& at )
+DrawnPiece drawPiece( const test::DrawnCracks& surface, const Lattice& lattice, const Vec3& at )
 {
 	const NodeState nodes = test::restNodes( lattice );
 	std::vector<float> rotations;
@@ -107,7 +106,7 @@ DrawnPiece drawPiece( const CrackSurface& surface, const Lattice& lattice, const
 	out.colours.resize( out.positions.size() );
 	for ( std::size_t t = 0; t < out.triangles.size(); ++t )
 	{
-		const bool isInside = surface.sources()[t] == CrackSurface::kNone;
+		const bool isInside = surface.sources()[t] == CellComplex::kNone;
 		for ( const std::uint32_t v : out.triangles[t] )
 		{
 			const std::array<float, 3> colour = isInside ? std::array<float, 3>{ 0.75f, 0.34f, 0.16f }
@@ -149,17 +148,16 @@ void breakSphere( const Way& way, const Vec3& at, std::list<DrawnPiece>& drawn )
 		std::puts( complex.status.sentence.c_str() );
 		return;
 	}
-	CrackSurface surface( complex.value );
+	test::DrawnCracks surface( complex.value );
 	const auto pieces = piecesOf( lattice );
 	const auto start = std::chrono::steady_clock::now();
 	std::vector<std::uint32_t> faces;
 	for ( const CellLink& link : linksBetween( lattice, pieces ) )
 	{
 		const std::uint32_t face = complex.value->faceBetween( link.a, link.b );
-		face != CrackSurface::kNone ? faces.push_back( face ) : void();
+		face != CellComplex::kNone ? faces.push_back( face ) : void();
 	}
 	surface.breakFaces( faces );
-	surface.updateBinding();
 	const double opened = milliseconds( start );
 	const Lattice torn = withoutLinks( lattice, linksBetween( lattice, pieces ) );
 	std::size_t triangles = 0;
@@ -167,7 +165,7 @@ void breakSphere( const Way& way, const Vec3& at, std::list<DrawnPiece>& drawn )
 	{
 		const Lattice part = extractCells( torn, cells );
 		const Vec3 shift = ( part.massCentre - lattice.massCentre ).cast<float>();
-		drawn.push_back( drawPiece( test::takenPiece( surface, complex.value, cells, shift ), part, at + ( 1.0f + kPullApart ) * shift ) );
+		drawn.push_back( drawPiece( surface.piece( cells, shift ), part, at + ( 1.0f + kPullApart ) * shift ) );
 		triangles += drawn.back().triangles.size();
 	}
 	std::printf( "%-18s %6zu %8d %8zu %10.1f %10.2f\n", way.name, complex.value->cellCount(), complex.value->report.faces, triangles,

@@ -1,6 +1,6 @@
 // The papers' own methods of drawing faces, and meshes that are not closed.
 
-#include "surface/crack_pieces.h"
+#include "surface/drawn_by_definition.h"
 
 #include "surface/crack_shapes/gradient_noise.h"
 
@@ -42,9 +42,8 @@ TEST( CrackModes, BricksAreWholeSquares )
 		whole += std::lround( squares ) == 1;
 	}
 	EXPECT_GT( whole, 0.8 * double( it.complex->face.size() ) );
-	CrackSurface surface( it.complex );
+	DrawnCracks surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
-	surface.updateBinding();
 	expectValid( surface );
 	expectNoSeams( surface );
 }
@@ -65,9 +64,8 @@ TEST( CrackModes, MarchingSquaresComesNearTheExactFaces )
 			EXPECT_LT( ( it.at( p ) + it.lattice().massCentre ).norm(), 1.0 + 1e-6 );
 		}
 	}
-	CrackSurface surface( it.complex );
+	DrawnCracks surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
-	surface.updateBinding();
 	expectValid( surface );
 	expectNoSeams( surface );
 }
@@ -98,9 +96,8 @@ TEST( CrackModes, HolesStayTheOnlyOpenPlaces )
 		EXPECT_LT( open, int( it.complex->cellCount() / 4 ) );
 		EXPECT_LT( highest, 1.0 + 1e-6 );
 		EXPECT_LT( lowest, 0.2 ); // faces fill the inside
-		CrackSurface surface( it.complex );
+		DrawnCracks surface( it.complex );
 		surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
-		surface.updateBinding();
 		expectValid( surface );
 	}
 }
@@ -120,15 +117,14 @@ TEST( CrackModes, SoupFallsBackOnMarchingSquares )
 	const double exact = areaOf( *CrackCase( makeSphere( 1.0, 24, 32 ), 0.2, drawnAs( CrackFaces::Exact ) ).complex );
 	EXPECT_GT( it.complex->report.fallbacks, 100 );
 	EXPECT_NEAR( areaOf( *it.complex ) / exact, 1.0, 0.05 );
-	CrackSurface surface( it.complex );
+	DrawnCracks surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
-	surface.updateBinding();
 	expectValid( surface );
 	expectNoSeams( surface );
 }
 
 /// Number of corners of the outer surface whose normals differ from those of the sphere, and number of all of them.
-std::pair<int, int> wronglyShaded( CrackCase& it, const CrackSurface& surface, const SkinBinding& binding )
+std::pair<int, int> wronglyShaded( CrackCase& it, const DrawnCracks& surface, const SkinBinding& binding )
 {
 	std::vector<float> positions( 3 * surface.vertexCount() ), normals( 3 * surface.vertexCount() );
 	const SkinTriangles triangles{ surface.triangles()[0].data(), int( surface.triangles().size() ) };
@@ -143,7 +139,7 @@ std::pair<int, int> wronglyShaded( CrackCase& it, const CrackSurface& surface, c
 			const Vec3 normal = Eigen::Map<const Vec3>( &normals[3 * v] ), place = Eigen::Map<const Vec3>( &positions[3 * v] );
 			EXPECT_NEAR( normal.norm(), 1.0f, 1e-5f );
 			EXPECT_LT( ( place - turn * binding.restPosition[v] ).norm(), 1e-5f );
-			if ( surface.sources()[t] != CrackSurface::kNone )
+			if ( surface.sources()[t] != CellComplex::kNone )
 			{
 				++wrong.second;
 				wrong.first += ( normal - turn * binding.restPosition[v].normalized() ).norm() > 0.03f; // it is a sphere of flat triangles
@@ -157,9 +153,8 @@ std::pair<int, int> wronglyShaded( CrackCase& it, const CrackSurface& surface, c
 TEST( CrackModes, CutsDoNotShowOnTheOuterSurface )
 {
 	CrackCase it( makeSphere( 1.0, 24, 32 ), 0.2, noisy() );
-	CrackSurface surface( it.complex );
+	DrawnCracks surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
-	surface.updateBinding();
 	const auto [wrong, all] = wronglyShaded( it, surface, surface.binding() );
 	EXPECT_LT( wrong, all / 5000 ); // slivers, whose normals are rounding
 	SkinBinding unshifted = surface.binding();
@@ -171,9 +166,8 @@ TEST( CrackModes, CutsDoNotShowOnTheOuterSurface )
 TEST( CrackModes, NormalShiftsMayEndEarly )
 {
 	CrackCase it( makeSphere( 1.0, 24, 32 ), 0.2, noisy() );
-	CrackSurface surface( it.complex );
+	DrawnCracks surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
-	surface.updateBinding();
 	const SkinTriangles triangles{ surface.triangles()[0].data(), int( surface.triangles().size() ) };
 	it.affine( Eigen::AngleAxisf( 1.1f, Vec3( 1, 2, 3 ).normalized() ).toRotationMatrix() );
 	const auto normalsOf = [&]( const SkinBinding& binding ) {

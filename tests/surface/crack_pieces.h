@@ -4,7 +4,7 @@
 
 #include "surface/crack_case.h"
 
-#include "surface/crack_state/crack_surface.h"
+#include "support/drawn_cracks.h"
 
 #include <algorithm>
 #include <map>
@@ -20,7 +20,7 @@ inline CrackSettings noisy( float amplitude = 0.3f )
 	return settings;
 }
 
-inline double volumeOf( const CrackSurface& surface )
+inline double volumeOf( const DrawnCracks& surface )
 {
 	double sum = 0.0;
 	const auto at = [&]( std::uint32_t v ) { return Vec3d( surface.binding().restPosition[v].cast<double>() ); };
@@ -32,7 +32,7 @@ inline double volumeOf( const CrackSurface& surface )
 }
 
 /// Vertices of one side at one position are one: the surface without the seams of normals and texture coordinates.
-inline std::vector<TrianglePoints> welded( const CrackSurface& surface )
+inline std::vector<TrianglePoints> welded( const DrawnCracks& surface )
 {
 	std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> number;
 	std::vector<std::uint32_t> of( surface.vertexCount() );
@@ -89,14 +89,8 @@ inline std::vector<std::uint32_t> facesBetween( const CellComplex& complex, cons
 	return faces;
 }
 
-inline void expectValid( const CrackSurface& surface )
-{
-	const Status status = validate( surface );
-	EXPECT_TRUE( status.ok() ) << status.sentence;
-}
-
 /// Copies of one side have equal carriers, to the bit, so that no seam can open between them.
-inline void expectNoSeams( const CrackSurface& surface )
+inline void expectNoSeams( const DrawnCracks& surface )
 {
 	const SkinBinding& b = surface.binding();
 	std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> first;

@@ -2,7 +2,7 @@
 
 // A sphere of triangles about as large as its cells that can be cracked and bent.
 
-#include "surface/crack_pieces.h"
+#include "surface/drawn_by_definition.h"
 
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ struct Cracked
 	/// `hasSeams`: no two triangles share a vertex.
 	explicit Cracked( int rings = 24, double cell = kCell, bool hasSeams = false ) :
 		it( hasSeams ? unwelded( makeSphere( 1.0, rings, rings * 3 / 2 ) ) : makeSphere( 1.0, rings, rings * 3 / 2 ), cell, noisy() ),
-		surface( it.complex )
+		surface( it.complex ), withCuts( withAllCuts( it.complex ) )
 	{}
 
 	/// Breaks faces above a height between cells on either side of the middle.
@@ -48,8 +48,13 @@ struct Cracked
 			}
 		}
 		EXPECT_FALSE( faces.empty() );
+		breakFaces( faces );
+	}
+
+	void breakFaces( const std::vector<std::uint32_t>& faces )
+	{
 		surface.breakFaces( faces );
-		surface.updateBinding();
+		withCuts.breakFaces( faces );
 		expectValid( surface );
 	}
 
@@ -58,7 +63,7 @@ struct Cracked
 		it.deform( [=]( const Vec3& x ) { return bent( x, angle ); }, [=]( const Vec3& x ) { return turnOfBend( x, angle ); } );
 	}
 
-	void skinAs( const CrackSurface& shown, TaskRunner* runner = nullptr )
+	void skinAs( const DrawnCracks& shown, TaskRunner* runner = nullptr )
 	{
 		positions.assign( 3 * std::size_t( shown.vertexCount() ), 1e9f );
 		normals = positions;
@@ -86,7 +91,7 @@ struct Cracked
 	}
 
 	CrackCase it;
-	CrackSurface surface;
+	DrawnCracks surface, withCuts; ///< with panels as in the input, and with all their cuts
 	std::vector<float> positions, normals;
 };
 

@@ -2,8 +2,6 @@
 
 #include "surface/cracked_sphere.h"
 
-#include "surface/crack_mesh/crack_view.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -61,57 +59,26 @@ TEST( Panels, ACutPanelIsDrawnBetweenItsCuts )
 	}
 }
 
-/// The panels of a cracked surface drawn as one triangle, and for each of their vertices the one of the surface.
-struct AsOne
+/// Closed as sums of edges, with the mesh's volume, and far from cracks the input's own triangles.
+void expectDrawnAsOne( const Cracked& cracked )
 {
-	explicit AsOne( const CrackSurface& surface )
-	{
-		const std::vector<float> texture( 2 * std::size_t( surface.vertexCount() ) );
-		surface.showPanelsAsOne( texture.data(), view );
-		std::vector<std::uint8_t> isThere( surface.complex().pointCount(), 0 );
-		for ( const std::uint32_t point : view.binding->point )
-		{
-			isThere[point] = 1;
-		}
-		for ( std::uint32_t v = 0; v < surface.vertexCount(); ++v )
-		{
-			isThere[surface.binding().point[v]] != 0 ? vertex.push_back( v ) : void();
-		}
-	}
-
-	CrackView view;
-	std::vector<std::uint32_t> vertex;
-};
-
-/// Closed as sums of edges, with the same volume, and far from cracks the input's own triangles.
-void expectDrawnAsOne( const Cracked& cracked, const AsOne& one )
-{
-	const SkinBinding& b = *one.view.binding;
-	ASSERT_EQ( one.vertex.size(), b.restPosition.size() );
+	const DrawnCracks& drawn = cracked.surface;
 	std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
 	std::map<std::uint32_t, std::vector<std::array<std::uint32_t, 3>>> drawnOf;
-	std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> welded;
-	double volume = 0.0;
-	for ( int t = 0; t < one.view.triangleCount; ++t )
+	const std::vector<TrianglePoints> places = welded( drawn );
+	for ( std::size_t t = 0; t < places.size(); ++t )
 	{
-		std::array<std::uint32_t, 3> place, own;
 		for ( std::size_t k = 0; k < 3; ++k )
 		{
-			own[k] = one.vertex[one.view.triangles[t][k]];
-			place[k] = welded.emplace( cracked.surface.sideOf( own[k] ), std::uint32_t( welded.size() ) ).first->second;
+			++edges[{ places[t][k], places[t][( k + 1 ) % 3] }];
 		}
-		const auto at = [&]( std::size_t k ) { return Vec3d( b.restPosition[one.view.triangles[t][k]].cast<double>() ); };
-		volume += signedVolume( at( 0 ), at( 1 ), at( 2 ) );
-		for ( std::size_t k = 0; k < 3; ++k )
+		if ( drawn.sources()[t] != CellComplex::kNone )
 		{
-			++edges[{ place[k], place[( k + 1 ) % 3] }];
-		}
-		if ( one.view.sources[t] != CrackSurface::kNone )
-		{
-			drawnOf[one.view.sources[t]].push_back( own );
+			const TrianglePoints& v = drawn.triangles()[t];
+			drawnOf[drawn.sources()[t]].push_back( { drawn.kindOf( v[0] ), drawn.kindOf( v[1] ), drawn.kindOf( v[2] ) } );
 		}
 	}
-	EXPECT_NEAR( volume, volumeOf( cracked.surface ), 1e-5 * volume );
+	EXPECT_NEAR( volumeOf( drawn ) / meshVolume( cracked.it.mesh ), 1.0, 1e-5 );
 	const bool isClosed = std::all_of( edges.begin(), edges.end(), [&edges]( const auto& e ) {
 		const auto back = edges.find( { e.first.second, e.first.first } );
 		return back != edges.end() && back->second == e.second;
@@ -131,10 +98,10 @@ void expectDrawnAsOne( const Cracked& cracked, const AsOne& one )
 				++cut;
 				continue;
 			}
-			std::array<std::uint32_t, 3> drawn = drawnOf[t][0];
-			std::rotate( drawn.begin(), std::min_element( drawn.begin(), drawn.end() ), drawn.end() );
+			std::array<std::uint32_t, 3> own = drawnOf[t][0];
+			std::rotate( own.begin(), std::min_element( own.begin(), own.end() ), own.end() );
 			std::rotate( input.begin(), std::min_element( input.begin(), input.end() ), input.end() );
-			EXPECT_EQ( drawn, input );
+			EXPECT_EQ( own, input );
 			++whole;
 		}
 	}
@@ -146,10 +113,12 @@ TEST( Panels, FarFromACrackTheInputsOwnTrianglesAreDrawn )
 {
 	Cracked cracked;
 	cracked.crack( 0.3f );
-	const AsOne one( cracked.surface );
-	expectDrawnAsOne( cracked, one );
-	EXPECT_LT( 3 * one.vertex.size(), cracked.surface.vertexCount() ); // most vertices were those of cuts
-	EXPECT_LT( 5 * one.view.triangleCount, 2 * int( cracked.surface.triangles().size() ) );
+	expectDrawnAsOne( cracked );
+	const auto plain = std::make_shared<CellComplex>( *cracked.it.complex );
+	plain->panels = {};
+	const DrawnCracks cut( plain );
+	EXPECT_LT( 3 * cracked.surface.vertexCount(), cracked.withCuts.vertexCount() ); // most vertices were those of cuts
+	EXPECT_LT( 5 * cracked.surface.triangles().size(), 2 * cut.triangles().size() );
 }
 
 /// Vertices at one position with different texture coordinates.
@@ -157,7 +126,7 @@ TEST( Panels, DrawnAsOneSeamsStayClosed )
 {
 	Cracked cracked( 24, kCell, true );
 	cracked.crack( 0.3f );
-	expectDrawnAsOne( cracked, AsOne( cracked.surface ) );
+	expectDrawnAsOne( cracked );
 }
 
 /// A face that breaks within the body may separate nothing where it ends: its cuts are drawn nevertheless, since its sides are.
@@ -175,15 +144,12 @@ TEST( Panels, WhereBrokenFacesPassCutsAreDrawn )
 		{
 			faces.push_back( std::uint32_t( random() % complex.face.size() ) );
 		}
-		cracked.surface.breakFaces( faces );
-		cracked.surface.updateBinding();
-		expectValid( cracked.surface ); // only cuts at which no broken face passes are spared
-		const AsOne one( cracked.surface );
+		cracked.breakFaces( faces ); // only cuts at which no broken face passes are spared
 		if ( round == 0 )
 		{
-			expectDrawnAsOne( cracked, one );
+			expectDrawnAsOne( cracked );
 		}
-		const std::vector<std::uint32_t>& drawn = one.view.binding->point;
+		const std::vector<std::uint32_t>& drawn = cracked.surface.binding().point;
 		const std::set<std::uint32_t> there( drawn.begin(), drawn.end() );
 		for ( const std::uint32_t face : faces )
 		{
@@ -203,17 +169,26 @@ TEST( Panels, DrawnAsOneTheRestIsAsItWas )
 	Cracked cracked;
 	cracked.crack( 0.3f );
 	cracked.bend( 0.5f );
+	cracked.skinAs( cracked.withCuts );
+	const std::vector<float> positions = cracked.positions, normals = cracked.normals;
 	cracked.skinAs( cracked.surface );
-	const AsOne one( cracked.surface );
-	std::vector<float> positions( 3 * one.vertex.size() ), normals( positions );
-	const SkinTriangles triangles{ one.view.triangles[0].data(), one.view.triangleCount };
-	skin( *one.view.binding, cracked.it.nodes, SkinPose{ .rotations = cracked.it.rotations.data() }, triangles, cracked.it.scratch,
-		positions.data(), normals.data() );
-	for ( std::size_t k = 0; k < one.vertex.size(); ++k )
+	std::vector<std::uint8_t> isThere( cracked.it.complex->pointCount(), 0 );
+	for ( const std::uint32_t point : cracked.surface.binding().point )
 	{
-		EXPECT_EQ( Vec3( Eigen::Map<const Vec3>( &positions[3 * k] ) ), cracked.position( one.vertex[k] ) );
-		EXPECT_EQ( Vec3( Eigen::Map<const Vec3>( &normals[3 * k] ) ), cracked.normal( one.vertex[k] ) );
+		isThere[point] = 1;
 	}
+	std::uint32_t k = 0; // both have the same vertices in the same order, apart from spared ones
+	for ( std::uint32_t v = 0; v < cracked.withCuts.vertexCount(); ++v )
+	{
+		if ( isThere[cracked.withCuts.binding().point[v]] != 0 )
+		{
+			ASSERT_EQ( cracked.surface.kindOf( k ), cracked.withCuts.kindOf( v ) );
+			EXPECT_EQ( Vec3( Eigen::Map<const Vec3>( &positions[3 * std::size_t( v )] ) ), cracked.position( k ) );
+			EXPECT_EQ( Vec3( Eigen::Map<const Vec3>( &normals[3 * std::size_t( v )] ) ), cracked.normal( k ) );
+			++k;
+		}
+	}
+	EXPECT_EQ( k, cracked.surface.vertexCount() );
 }
 
 } // namespace

@@ -141,14 +141,13 @@ TEST( SkinFade, OfACrackedBodyKeepsItWhereItStood )
 	const test::CrackCase it( test::makeBumpySphere( 1.0, 0.1, 30, 40 ), 0.12, test::noisy() );
 	const std::unique_ptr<Body> made = bodyInMotion( it.lattice() );
 	Body& body = *made;
-	CrackSurface surface( it.complex );
+	test::DrawnCracks surface( test::withAllCuts( it.complex ) );
 	std::vector<std::uint32_t> faces;
 	for ( std::uint32_t f = 0; f < std::uint32_t( it.complex->face.size() / 2 ); f += 9 )
 	{
 		faces.push_back( f );
 	}
 	surface.breakFaces( faces );
-	surface.updateBinding();
 	const SkinBinding& binding = surface.binding();
 	EXPECT_GT( binding.placed.size(), 500u );
 	const SkinTriangles triangles{ surface.triangles()[0].data(), int( surface.triangles().size() ) };

@@ -116,11 +116,6 @@ pliant_surface inC( const SurfaceView& view )
 	c.triangle_source = view.triangleSource;
 	c.vertices = view.vertexCount;
 	c.triangles = view.triangleCount;
-	c.changed_since = view.changedSince;
-	c.first_new_vertex = view.firstNewVertex;
-	c.first_new_triangle = view.firstNewTriangle;
-	c.first_changed_triangle = view.firstChangedTriangle;
-	c.last_changed_triangle = view.lastChangedTriangle;
 	c.frame = view.frame;
 	return c;
 }

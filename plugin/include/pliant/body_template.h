@@ -21,7 +21,6 @@ struct SkinTables;
 struct TemplateCache;
 class CellComplex;
 class CrackPatches;
-class CrackSurface;
 
 /// How the render mesh follows the nodes.
 enum class Skinning : int
@@ -170,8 +169,7 @@ public:
 	/// Everything that cracks can show, computed at the first call; callable from several threads. Null with Skinning::None or when memory
 	/// does not suffice: cracks are then not drawn.
 	std::shared_ptr<const CellComplex> crackComplex() const;
-	/// The surface of an uncracked body; computed together with crackComplex, as are the patches.
-	std::shared_ptr<const CrackSurface> crackSurface() const;
+	/// Its drawing, computed together with it.
 	std::shared_ptr<const CrackPatches> crackPatches() const;
 	/// Writes or reads everything (io/snapshot.h); reading needs a blank one.
 	void archive( Archive& archive );

@@ -42,13 +42,6 @@ struct SurfaceView
 	int vertexCount = 0;          ///< vertices in `positions` and `normals`
 	int triangleCount = 0;        ///< triangles in `indices`
 	unsigned topologyVersion = 0; ///< changes when indices or counts change
-	/// A renderer that holds topology version `changedSince` only needs the vertices from firstNewVertex on, the triangles from
-	/// firstNewTriangle on, and the triangles firstChangedTriangle to lastChangedTriangle - 1. With any other version it needs everything.
-	unsigned changedSince = 0;
-	int firstNewVertex = 0;       ///< see changedSince
-	int firstNewTriangle = 0;     ///< see changedSince
-	int firstChangedTriangle = 0; ///< see changedSince
-	int lastChangedTriangle = 0;  ///< see changedSince; one past the last
 	unsigned frame = 0;           ///< changes when positions change
 };
 

@@ -21,16 +21,9 @@ void CrackGatherer::gather(
 	}
 	else
 	{
-		view.ownTriangles.resize( std::size_t( number( 0, m_patch.size(), view.ownTriangles.data() ) - view.ownTriangles.data() ) );
+		view.triangles.resize( std::size_t( number( 0, m_patch.size(), view.triangles.data() ) - view.triangles.data() ) );
 	}
 	write( cells, shift, view, runner );
-	view.binding = &view.ownBinding;
-	view.growing = nullptr;
-	view.triangles = view.ownTriangles.data();
-	view.sources = view.ownSources.data();
-	view.texture = view.ownTexture.data();
-	view.triangleCount = int( view.ownTriangles.size() );
-	view.change = {};
 }
 
 // The outer surface comes first, so that its triangles and vertices are contiguous.
@@ -57,7 +50,7 @@ void CrackGatherer::reserveScratch( const std::vector<std::uint32_t>& cells, Cra
 	}
 	begin( vertices );
 	m_cells = cells.size();
-	resizeForOverwrite( view.ownTriangles, triangles );
+	resizeForOverwrite( view.triangles, triangles );
 	if ( m_sides->panels().arePlaced() && ( m_outerCapacity < vertices || m_shadingCapacity < triangles ) )
 	{
 		m_outerCapacity = vertices;
@@ -137,21 +130,21 @@ void CrackGatherer::numberTogether( CrackView& view, TaskRunner* runner )
 	// The end of the outer triangles is only known once they are numbered: until then the inside is written behind their largest possible
 	// count.
 	std::array<std::uint32_t, 3>* end = nullptr;
-	const auto begin = view.ownTriangles.begin();
+	const auto begin = view.triangles.begin();
 	auto task = [&]( int k ) {
 		if ( k == 0 )
 		{
-			end = number( 0, m_cells, view.ownTriangles.data() );
+			end = number( 0, m_cells, view.triangles.data() );
 		}
 		else
 		{
-			inner.number( 0, inner.m_patch.size(), view.ownTriangles.data() + outer );
+			inner.number( 0, inner.m_patch.size(), view.triangles.data() + outer );
 		}
 	};
 	runTasks( runner, 2, task );
-	const std::ptrdiff_t drawn = end - view.ownTriangles.data();
-	view.ownTriangles.erase( begin + drawn, begin + std::ptrdiff_t( outer ) );
-	append( end, view.ownTriangles.size() - std::size_t( drawn ), runner );
+	const std::ptrdiff_t drawn = end - view.triangles.data();
+	view.triangles.erase( begin + drawn, begin + std::ptrdiff_t( outer ) );
+	append( end, view.triangles.size() - std::size_t( drawn ), runner );
 }
 
 /// Appends the numbered inside to the outer surface; sides that both have get their carriers from the outer one.

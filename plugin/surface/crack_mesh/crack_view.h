@@ -3,7 +3,7 @@
 // The drawn mesh of a cracked body, a part of its family's cracks. Ohta et al. 2009, "Fracturing".
 
 #include "surface/crack_state/crack_sides.h"
-#include "surface/crack_state/crack_surface.h"
+#include "surface/skin/skinning.h"
 
 #include <memory>
 
@@ -11,26 +11,18 @@ namespace pliant {
 
 class TaskRunner;
 
-/// The drawn mesh of a body. Borrowed from the family while the body is all of it; afterwards its own.
+/// The drawn mesh of a cracked body.
 struct CrackView
 {
-	const SkinBinding* binding = nullptr; ///< its nodes are the body's cells
-	const std::array<std::uint32_t, 3>* triangles = nullptr;
-	const std::uint32_t* sources = nullptr; ///< CrackSurface::sources
-	const float* texture = nullptr;         ///< u, v of each vertex
-	int triangleCount = 0;
-	const CrackSurface* growing = nullptr; ///< the surface that it borrows; null: it is its own
-	bool wantsKinds = false;               ///< its own surface lists ownKinds
-	CrackSurface::Change change;           ///< since the last request; everything, where that was for other cells
+	SkinBinding binding; ///< its nodes are the body's cells
+	std::vector<std::array<std::uint32_t, 3>> triangles;
+	std::vector<std::uint32_t> sources; ///< by triangle: the input's triangle, or CellComplex::kNone for the inside
+	std::vector<float> texture;         ///< u, v of each vertex
+	bool wantsKinds = false;            ///< whether `kinds` is to be listed
+	std::vector<std::uint32_t> kinds;   ///< by vertex: CrackPatches::Appearance::kind
 
-	SkinBinding ownBinding;
-	std::vector<std::array<std::uint32_t, 3>> ownTriangles;
-	std::vector<std::uint32_t> ownSources;
-	std::vector<float> ownTexture;
-	std::vector<std::uint32_t> ownKinds; ///< by vertex: CrackSurface::kindOf
-
-	std::uint32_t kindOf( std::size_t vertex ) const { return growing ? growing->kindOf( std::uint32_t( vertex ) ) : ownKinds[vertex]; }
-	bool hasKinds() const { return growing || ownKinds.size() == binding->restPosition.size(); }
+	bool hasKinds() const { return kinds.size() == binding.restPosition.size(); }
+	SkinTriangles shown() const { return { triangles.empty() ? nullptr : triangles[0].data(), int( triangles.size() ) }; }
 };
 
 /// Assembles views from the patches of a body's cells, with intact panels as one triangle. Keeps its scratch between calls.
@@ -44,7 +36,7 @@ public:
 		TaskRunner* runner = nullptr );
 
 private:
-	static constexpr std::uint32_t kNone = CrackSurface::kNone;
+	static constexpr std::uint32_t kNone = CellComplex::kNone;
 
 	struct Made
 	{

@@ -14,7 +14,7 @@ namespace pliant {
 
 void CrackGatherer::write( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner )
 {
-	SkinBinding& to = view.ownBinding;
+	SkinBinding& to = view.binding;
 	m_cellInBody.resize( m_sides->complex().cellCount(), kNone );
 	for ( std::uint32_t k = 0; k < std::uint32_t( cells.size() ); ++k )
 	{
@@ -50,7 +50,7 @@ void CrackGatherer::write( const std::vector<std::uint32_t>& cells, const Vec3& 
 		}
 	};
 	runTasks( runner, rows.chunks() + vertices.chunks() + 1, task );
-	view.ownSources.pop_back();
+	view.sources.pop_back();
 	listPlaced( to, runner );
 	const std::uint32_t last = m_row.empty() ? 0 : m_row.back().vertex + 1;
 	std::fill( to.start.begin() + last, to.start.end(), sum );
@@ -62,7 +62,7 @@ void CrackGatherer::write( const std::vector<std::uint32_t>& cells, const Vec3& 
 
 void CrackGatherer::makeArrays( CrackView& view ) const
 {
-	SkinBinding& to = view.ownBinding;
+	SkinBinding& to = view.binding;
 	to.kind = m_sides->complex().skinning;
 	to.normalGroups = int( m_normalGroups );
 	resizeForOverwrite( to.restPosition, m_count );
@@ -72,16 +72,16 @@ void CrackGatherer::makeArrays( CrackView& view ) const
 	resizeForOverwrite( to.carrier, m_count );
 	resizeForOverwrite( to.point, m_count );
 	resizeForOverwrite( to.start, std::size_t( m_count ) + 1 );
-	resizeForOverwrite( view.ownTexture, 2 * std::size_t( m_count ) );
-	resizeForOverwrite( view.ownKinds, view.wantsKinds ? m_count : 0 );
-	resizeForOverwrite( view.ownSources, view.ownTriangles.size() + 1 ); // one more: see takeSources
+	resizeForOverwrite( view.texture, 2 * std::size_t( m_count ) );
+	resizeForOverwrite( view.kinds, view.wantsKinds ? m_count : 0 );
+	resizeForOverwrite( view.sources, view.triangles.size() + 1 ); // one more: see takeSources
 }
 
 /// Branch-free: each is written, and counted if it is drawn, so the array has one more entry.
 void CrackGatherer::takeSources( const std::vector<std::uint32_t>& cells, CrackView& view ) const
 {
 	const CellComplex& complex = m_sides->complex();
-	std::uint32_t* to = view.ownSources.data();
+	std::uint32_t* to = view.sources.data();
 	for ( const std::uint32_t cell : cells )
 	{
 		for ( std::uint32_t t = complex.cellTriangleStart[cell]; t < complex.cellTriangleStart[cell + 1]; ++t )
@@ -91,13 +91,13 @@ void CrackGatherer::takeSources( const std::vector<std::uint32_t>& cells, CrackV
 		}
 	}
 	to = std::copy( m_panelSource.begin(), m_panelSource.end(), to );
-	std::fill( to, view.ownSources.data() + view.ownSources.size(), kNone );
+	std::fill( to, view.sources.data() + view.sources.size(), kNone );
 }
 
 void CrackGatherer::writeVertices( const Vec3& shift, CrackView& view, std::size_t first, std::size_t last ) const
 {
 	const CrackPatches& patches = m_sides->patches();
-	SkinBinding& to = view.ownBinding;
+	SkinBinding& to = view.binding;
 	for ( std::size_t k = first; k < last; ++k )
 	{
 		const Made& made = m_made[k];
@@ -106,12 +106,12 @@ void CrackGatherer::writeVertices( const Vec3& shift, CrackView& view, std::size
 		to.normalGroup[k] = made.normalGroup;
 		to.carrier[k] = made.carrier;
 		to.point[k] = appearance.point;
-		view.ownTexture[2 * k] = appearance.u;
-		view.ownTexture[2 * k + 1] = appearance.v;
+		view.texture[2 * k] = appearance.u;
+		view.texture[2 * k + 1] = appearance.v;
 	}
 	for ( std::size_t k = first; k < last && view.wantsKinds; ++k )
 	{
-		view.ownKinds[k] = patches.appearance[m_made[k].vertex].kind;
+		view.kinds[k] = patches.appearance[m_made[k].vertex].kind;
 	}
 	writeNormals( to, first, last );
 }
@@ -126,17 +126,17 @@ void CrackGatherer::writeNormals( SkinBinding& to, std::size_t first, std::size_
 		const Vec3& normal = m_sides->complex().vertexNormal[appearance.kind];
 		to.restNormal[k] = normal;
 		const bool isReshaded = m_sides->isReshaded( appearance.point ) && !m_sides->panels().isPlaced( appearance.point );
-		to.normalShift[k] = isReshaded ? CrackSurface::normalShift( normal, m_area[m_made[k].normalGroup] )
+		to.normalShift[k] = isReshaded ? CrackPatches::shiftOf( normal, m_area[m_made[k].normalGroup] )
 									   : patches.normalShift[appearance.kind];
 	}
 	Vec3 inside[6];
 	for ( std::uint32_t side = 0; side < 6; ++side )
 	{
-		inside[side] = CrackSurface::insideNormal( CrackSurface::kInside + side );
+		inside[side] = ( side % 2 != 0 ? -1.0f : 1.0f ) * Vec3::Unit( int( side / 2 ) );
 	}
 	for ( std::size_t k = std::max<std::size_t>( first, m_outerCount ); k < last; ++k )
 	{
-		to.restNormal[k] = inside[patches.appearance[m_made[k].vertex].kind - CrackSurface::kInside];
+		to.restNormal[k] = inside[patches.appearance[m_made[k].vertex].kind - CrackPatches::kInside];
 	}
 }
 

@@ -1,16 +1,42 @@
 #include "surface/crack_state/crack_patches.h"
 
-#include "surface/crack_state/crack_surface.h"
+#include "surface/constants.h"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
+#include <unordered_map>
+#include <utility>
 
 namespace pliant {
 
-std::shared_ptr<const CrackPatches> CrackPatches::make( const CrackSurface& whole, const float* texture )
+namespace {
+
+void addTexture( const CellComplex& complex, const float* input, CrackPatches::Appearance& of )
 {
-	const std::shared_ptr<CrackPatches> made( new CrackPatches( whole.m_complex ) );
+	if ( of.kind >= CrackPatches::kInside )
+	{
+		const std::uint32_t axis = ( of.kind - CrackPatches::kInside ) / 2;
+		const Vec3& position = complex.pointRest[of.point]; // of the template, so that pieces match
+		of.u = position[( axis + 1 ) % 3] / complex.settings.textureTile;
+		of.v = position[( axis + 2 ) % 3] / complex.settings.textureTile;
+		return;
+	}
+	CellComplex::Origin origin{ { of.kind, CellComplex::kNone, CellComplex::kNone }, { 1.0f, 0.0f, 0.0f } };
+	origin = of.kind < complex.inputVertices ? origin : complex.addedOrigin[of.kind - complex.inputVertices];
+	for ( std::size_t k = 0; input && k < 3 && origin.vertex[k] != CellComplex::kNone; ++k )
+	{
+		of.u += origin.weight[k] * input[2 * std::size_t( origin.vertex[k] )];
+		of.v += origin.weight[k] * input[2 * std::size_t( origin.vertex[k] ) + 1];
+	}
+}
+
+} // namespace
+
+std::shared_ptr<const CrackPatches> CrackPatches::make( std::shared_ptr<const CellComplex> of, const float* texture )
+{
+	const std::shared_ptr<CrackPatches> made( new CrackPatches( std::move( of ) ) );
 	const CellComplex& complex = *made->complex;
 	for ( std::size_t p = 0; p < complex.pointCount(); ++p )
 	{
@@ -20,24 +46,47 @@ std::shared_ptr<const CrackPatches> CrackPatches::make( const CrackSurface& whol
 		}
 		made->pointOfSlot.insert( made->pointOfSlot.end(), complex.cellsOfPoint.size( p ), std::uint32_t( p ) );
 	}
-	if ( !made->addPatches( texture ) )
-	{
-		return nullptr;
-	}
+	made->addPatches( texture );
 	made->findUnshared();
 	made->numberKinds();
 	made->numberPanels();
 	made->sortIntoClasses();
 	made->addTies();
-	made->normalShift.resize( complex.vertexPoint.size(), Vec3::Zero() );
-	for ( std::uint32_t v = 0; v < whole.vertexCount(); ++v )
-	{
-		if ( const std::uint32_t kind = whole.m_vertex[v].kind; kind < CrackSurface::kInside )
-		{
-			made->normalShift[kind] = whole.binding().normalShift[v];
-		}
-	}
+	made->addNormalShifts();
 	return made;
+}
+
+/// Areas are summed in the order of CrackGatherer: pieces, then panels that are shaded as one triangle.
+void CrackPatches::addNormalShifts()
+{
+	const IntactPanels panels( complex->panels );
+	std::vector<Vec3> area( complex->pointCount(), Vec3::Zero() );
+	const auto add = [&]( const std::array<std::uint32_t, 3>& corner ) {
+		const std::uint32_t p[3] = { complex->vertexPoint[corner[0]], complex->vertexPoint[corner[1]], complex->vertexPoint[corner[2]] };
+		const Vec3 &a = complex->pointRest[p[0]], own = ( complex->pointRest[p[1]] - a ).cross( complex->pointRest[p[2]] - a );
+		std::for_each( p, p + 3, [&]( std::uint32_t point ) { area[point] += own; } );
+	};
+	for ( std::uint32_t t = 0; t < std::uint32_t( complex->triangle.size() ); ++t )
+	{
+		panels.isOfOne( t ) ? void() : add( complex->triangle[t] );
+	}
+	for ( std::uint32_t panel = 0; panel < std::uint32_t( complex->panels.count() ); ++panel )
+	{
+		panels.isOne( panel ) ? add( complex->panels.corner[panel] ) : void();
+	}
+	normalShift.resize( complex->vertexPoint.size(), Vec3::Zero() );
+	for ( std::size_t v = 0; v < complex->vertexNormal.size(); ++v )
+	{
+		const std::uint32_t point = complex->vertexPoint[v];
+		normalShift[v] = panels.isPlaced( point ) ? Vec3( Vec3::Zero() ) : shiftOf( complex->vertexNormal[v], area[point] );
+	}
+}
+
+Vec3 CrackPatches::shiftOf( const Vec3& normal, const Vec3& area )
+{
+	const float largest = area.cwiseAbs().maxCoeff(); // avoids underflow of its square
+	const Vec3 shift = largest > 0.0f ? Vec3( normal - ( area / largest ).normalized() ) : Vec3( Vec3::Zero() );
+	return shift.cwiseAbs().maxCoeff() > kSeenShift ? shift : Vec3( Vec3::Zero() );
 }
 
 std::uint32_t CrackPatches::slotOf( std::uint32_t point, std::uint32_t cell ) const
@@ -46,48 +95,31 @@ std::uint32_t CrackPatches::slotOf( std::uint32_t point, std::uint32_t cell ) co
 		complex->cellsOfPoint.entry.data() );
 }
 
-/// Adds a triangle to the latest patch. Returns false where the patch has too many vertices.
-bool CrackPatches::addCorners( const std::array<Corner, 3>& corners )
+void CrackPatches::addPatches( const float* texture )
 {
-	std::array<std::uint16_t, 3> numbers;
-	const std::uint32_t first = patch.back().firstVertex;
-	std::size_t most = 0;
-	for ( std::size_t k = 0; k < 3; ++k )
-	{
-		std::size_t found = first;
-		while ( found < vertex.size() && ( vertex[found].slot != corners[k].slot || appearance[found].kind != corners[k].appearance.kind ) )
+	std::unordered_map<std::uint64_t, std::uint32_t> known; // by slot and kind: vertices of the current patch
+	const auto begin = [&] {
+		patch.push_back( { std::uint32_t( vertex.size() ), std::uint32_t( triangle.size() ) } );
+		known.clear();
+	};
+	const auto numberOf = [&]( std::uint32_t point, std::uint32_t cell, std::uint32_t kind ) {
+		const std::uint32_t slot = slotOf( point, cell );
+		const auto [found, isNew] = known.emplace( std::uint64_t( slot ) << 32 | kind, std::uint32_t( known.size() ) );
+		if ( isNew )
 		{
-			++found;
+			vertex.push_back( { slot, 0, std::uint8_t( kind >= kInside ), 0 } );
+			appearance.push_back( { point, kind, 0.0f, 0.0f } );
+			addTexture( *complex, texture, appearance.back() );
 		}
-		if ( found == vertex.size() )
-		{
-			vertex.push_back( { corners[k].slot, 0, std::uint8_t( corners[k].appearance.kind >= CrackSurface::kInside ), 0 } );
-			appearance.push_back( corners[k].appearance );
-		}
-		most = std::max( most, found - first );
-		numbers[k] = std::uint16_t( found - first );
-	}
-	triangle.push_back( numbers );
-	return most <= std::numeric_limits<std::uint16_t>::max();
-}
-
-bool CrackPatches::addPatches( const float* texture )
-{
-	bool isGood = true;
-	const auto begin = [this] { patch.push_back( { std::uint32_t( vertex.size() ), std::uint32_t( triangle.size() ) } ); };
-	const auto cornerOf = [&]( std::uint32_t point, std::uint32_t cell, std::uint32_t kind ) {
-		Corner corner{ slotOf( point, cell ), { point, kind, 0.0f, 0.0f } };
-		CrackSurface::textureOf( *complex, point, kind, texture, &corner.appearance.u );
-		return corner;
+		return found->second;
 	};
 	for ( std::uint32_t cell = 0; cell < complex->cellCount(); ++cell )
 	{
 		begin();
 		for ( std::uint32_t t = complex->cellTriangleStart[cell]; t < complex->cellTriangleStart[cell + 1]; ++t )
 		{
-			const auto& v = complex->triangle[t];
-			const auto corner = [&]( std::size_t k ) { return cornerOf( complex->vertexPoint[v[k]], cell, v[k] ); };
-			isGood = addCorners( { corner( 0 ), corner( 1 ), corner( 2 ) } ) && isGood;
+			std::array<std::uint32_t, 3>& corner = triangle.emplace_back( complex->triangle[t] );
+			std::for_each( corner.begin(), corner.end(), [&]( std::uint32_t& v ) { v = numberOf( complex->vertexPoint[v], cell, v ); } );
 		}
 	}
 	for ( std::uint32_t cell = 0; cell < complex->cellCount(); ++cell )
@@ -99,15 +131,14 @@ bool CrackPatches::addPatches( const float* texture )
 			const bool isA = face.cellA == cell;
 			for ( std::uint32_t t = face.firstTriangle; t < face.lastTriangle; ++t )
 			{
-				const auto& p = complex->faceTriangle[t];
-				const std::uint32_t kind = CrackSurface::kInside + ( complex->faceAxis[t] ^ ( isA ? 0u : 1u ) );
-				const auto corner = [&]( std::size_t k ) { return cornerOf( p[k], cell, kind ); };
-				isGood = addCorners( { corner( 0 ), corner( isA ? 1 : 2 ), corner( isA ? 2 : 1 ) } ) && isGood;
+				const std::uint32_t kind = kInside + ( complex->faceAxis[t] ^ ( isA ? 0u : 1u ) );
+				std::array<std::uint32_t, 3>& corner = triangle.emplace_back( complex->faceTriangle[t] );
+				isA ? void() : std::swap( corner[1], corner[2] );
+				std::for_each( corner.begin(), corner.end(), [&]( std::uint32_t& v ) { v = numberOf( v, cell, kind ); } );
 			}
 		}
 	}
 	begin();
-	return isGood;
 }
 
 /// A point has few kinds, so they are searched linearly.
@@ -162,7 +193,7 @@ void CrackPatches::numberPanels()
 	std::vector<std::uint16_t> kindAt( complex->vertexPoint.size(), 0 );
 	for ( std::size_t v = 0; v < vertex.size(); ++v )
 	{
-		if ( appearance[v].kind < CrackSurface::kInside )
+		if ( appearance[v].kind < kInside )
 		{
 			kindAt[appearance[v].kind] = vertex[v].kindAt;
 		}

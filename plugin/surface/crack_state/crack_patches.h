@@ -14,19 +14,18 @@
 
 namespace pliant {
 
-class CrackSurface;
-
 class CrackPatches
 {
 public:
 	static constexpr std::uint32_t kNone = CellComplex::kNone;
 	static constexpr std::uint8_t kNoBit = 0xff;
+	/// Kinds of vertices at a point: a vertex of the complex, or kInside + 2 x axis + side for a face.
+	static constexpr std::uint32_t kInside = 0xfffffff0u;
 	/// The carriers of a point, the cells that determine its position in the uncracked body, are represented by the bits of a word.
 	static constexpr std::size_t kMostCarriers = 64;
 
-	/// `whole`: of all cells, nothing broken. `texture`: u, v of the input's vertices, or null. Returns null where a point has more
-	/// carriers than a word has bits, or a patch more vertices than 16 bits can number.
-	static std::shared_ptr<const CrackPatches> make( const CrackSurface& whole, const float* texture );
+	/// `texture`: u, v of the input's vertices, or null. Returns null where a point has more carriers than a word has bits.
+	static std::shared_ptr<const CrackPatches> make( std::shared_ptr<const CellComplex> complex, const float* texture );
 
 	/// A point as drawn by one cell: the data that determine which vertices coincide, ...
 	struct Vertex
@@ -40,8 +39,8 @@ public:
 	struct Appearance
 	{
 		std::uint32_t point;
-		std::uint32_t kind; ///< as in CrackSurface
-		float u, v;
+		std::uint32_t kind; ///< a vertex of the complex, or kInside and above
+		float u, v;         ///< outside as in the input (0 where it has none), inside by position, with period CrackSettings::textureTile
 	};
 	/// Patch c: cell c's part of the outer surface, its triangles in the complex's order. From index `cells` on: the cells' sides of their
 	/// faces, in the order of CellComplex::facesOfCell. Each patch ends where the next one begins.
@@ -52,7 +51,7 @@ public:
 	std::vector<Patch> patch;
 	std::vector<Vertex> vertex;                         ///< of each patch, in the order of first use
 	std::vector<Appearance> appearance;                 ///< by vertex
-	std::vector<std::array<std::uint16_t, 3>> triangle; ///< indices relative to the patch's vertices
+	std::vector<std::array<std::uint32_t, 3>> triangle; ///< indices relative to the patch's vertices
 	/// Index of a patch; `entry`: of CellComplex::facesOfCell.
 	std::uint32_t sideOfFace( std::uint32_t entry ) const { return std::uint32_t( complex->cellCount() ) + entry; }
 
@@ -66,8 +65,10 @@ public:
 	/// By entry of Panels::border, and by panel for its corners: the number of the vertex as long as all slots of its point are one side.
 	std::vector<std::uint32_t> numberOfBorder;
 	std::vector<std::array<std::uint32_t, 3>> numbersOfCorners;
-	/// By vertex of the complex: shift of its normal in the closed, uncracked surface (SkinBinding::normalShift).
+	/// By vertex of the complex: shift of its normal in the closed, uncracked surface.
 	std::vector<Vec3> normalShift;
+	/// SkinBinding::normalShift of a vertex with the normal `normal` whose triangles' areas sum to `area`.
+	static Vec3 shiftOf( const Vec3& normal, const Vec3& area );
 
 	/// A face and two of a point's cells that it joins: two slots, two carriers, or a slot and a carrier, counted from the point's first.
 	struct Tie
@@ -91,18 +92,13 @@ public:
 private:
 	explicit CrackPatches( std::shared_ptr<const CellComplex> of ) : complex( std::move( of ) ) {}
 	std::uint32_t slotOf( std::uint32_t point, std::uint32_t cell ) const;
-	bool addPatches( const float* texture );
-	struct Corner
-	{
-		std::uint32_t slot;
-		Appearance appearance;
-	};
-	bool addCorners( const std::array<Corner, 3>& corners );
+	void addPatches( const float* texture );
 	void numberKinds();
 	void numberPanels();
 	void findUnshared();
 	void sortIntoClasses();
 	void addTies();
+	void addNormalShifts();
 	template <class Take>
 	void forCarriersBeside( std::uint32_t cell, const std::vector<std::uint8_t>& bitOfCell, Take&& take ) const;
 	void addCarrierTies( std::uint32_t point, const std::vector<std::uint8_t>& bitOfCell );

@@ -2,7 +2,6 @@
 
 #include "surface/constants.h"
 #include "surface/crack_complex/blade_path.h"
-#include "surface/crack_state/crack_surface.h"
 #include "threads/parallel.h"
 
 #include <algorithm>
@@ -45,10 +44,10 @@ void sortByMarks( std::vector<std::uint32_t>& items, const std::vector<std::uint
 
 } // namespace
 
-CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const CrackSurface& whole, TaskRunner* runner ) :
+CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches ) :
 	m_patches( std::move( patches ) ), m_isBroken( complex().face.size(), 0 ), m_side( m_patches->pointOfSlot.size() ),
 	m_carriers( m_side.size() ), m_joined( m_patches->firstOfClass.back() ), m_isDrawn( complex().pointCount(), 0 ),
-	m_isReshaded( m_isDrawn.size(), 0 ), m_isMarked( m_isDrawn.size(), 0 ), m_isSplit( m_isDrawn.size(), 0 ), m_panels( whole.m_panels ),
+	m_isReshaded( m_isDrawn.size(), 0 ), m_isMarked( m_isDrawn.size(), 0 ), m_isSplit( m_isDrawn.size(), 0 ), m_panels( complex().panels ),
 	m_isClassMarked( m_patches->classCount(), 0 )
 {
 	const CellComplex& c = complex();
@@ -62,29 +61,18 @@ CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const Crack
 	{
 		m_isDrawn[point] = 1;
 	}
-	reshadeSeparatedPanels();
-	std::vector<std::uint32_t> added;
-	for ( const CrackSurface::Face& face : whole.m_face )
+	collect( c.vertexPoint.data(), c.vertexPoint.data() + c.vertexPoint.size() );
+	runOver( m_found, &CrackSides::regroup, nullptr ); // triangles without common vertices may leave cells that no face joins
+	separatePanels();
+	std::vector<std::uint32_t> unlinked;
+	for ( std::uint32_t face = 0; face < std::uint32_t( c.face.size() ); ++face )
 	{
-		m_isBroken[face.number] = face.isBroken ? 1 : 0;
-		if ( face.isBroken )
+		if ( !c.face[face].isLinked && !isHeld( face ) )
 		{
-			added.push_back( face.number );
+			unlinked.push_back( face );
 		}
 	}
-	splitSides( added, runner );
-	updateCarriersAround( added, runner );
-	if ( !whole.m_position.empty() )
-	{
-		m_position = whole.m_position;
-		for ( std::uint32_t point = 0; point < std::uint32_t( m_position.size() ); ++point )
-		{
-			if ( m_position[point] != c.pointRest[point] )
-			{
-				reshadeAround( point );
-			}
-		}
-	}
+	breakFaces( unlinked );
 }
 
 void CrackSides::breakFaces( const std::vector<std::uint32_t>& faces, TaskRunner* runner )
@@ -138,7 +126,10 @@ void CrackSides::splitSides( const std::vector<std::uint32_t>& added, TaskRunner
 	{
 		const std::uint32_t* const first = complex().pointsOfFace.begin( face );
 		const std::uint32_t* const last = complex().pointsOfFace.end( face );
-		std::for_each( first, last, [this]( std::uint32_t point ) { m_isDrawn[point] = 1; } );
+		std::for_each( first, last, [this]( std::uint32_t point ) {
+			m_isDrawn[point] = 1;
+			m_panels.uncover( point );
+		} );
 		collect( first, last );
 	}
 	sortByMarks( m_found, m_isMarked );
@@ -151,7 +142,6 @@ void CrackSides::separatePanels()
 	std::vector<std::uint32_t> reshaded;
 	for ( std::size_t k = 0; k < m_found.size() && m_panels.arePlaced(); ++k )
 	{
-		m_panels.uncover( m_found[k] );
 		if ( m_isSplit[m_found[k]] != 0 )
 		{
 			m_panels.separate( m_found[k], reshaded );
@@ -160,20 +150,6 @@ void CrackSides::separatePanels()
 	for ( const std::uint32_t point : reshaded )
 	{
 		m_isReshaded[point] = 1;
-	}
-}
-
-/// Marks for shading the points around cuts that were placed in the uncracked body and no longer are.
-void CrackSides::reshadeSeparatedPanels()
-{
-	const Panels& all = complex().panels;
-	for ( std::uint32_t point = 0; point < std::uint32_t( all.isPlaceable.size() ); ++point )
-	{
-		const bool isNoLongerPlaced = all.isPlaceable[point] != 0 && !m_panels.isPlaced( point );
-		for ( const std::uint32_t* panel = all.atPoint.begin( point ); isNoLongerPlaced && panel != all.atPoint.end( point ); ++panel )
-		{
-			std::for_each( all.points.begin( *panel ), all.points.end( *panel ), [this]( std::uint32_t p ) { m_isReshaded[p] = 1; } );
-		}
 	}
 }
 
@@ -370,7 +346,7 @@ void CrackSides::follow( const BladePath& path, const std::vector<std::uint32_t>
 	std::vector<std::uint32_t> reshaded;
 	for ( const std::uint32_t point : points )
 	{
-		m_panels.touch( point, reshaded ); // as CrackSurface does
+		m_panels.touch( point, reshaded ); // even if it does not move, so that the order of reports does not matter
 		const Vec3 position = path.positionOf( point );
 		if ( position != m_position[point] )
 		{

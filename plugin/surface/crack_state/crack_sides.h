@@ -15,8 +15,8 @@ class TaskRunner;
 class CrackSides
 {
 public:
-	/// Starts with the broken faces of `whole`.
-	CrackSides( std::shared_ptr<const CrackPatches> patches, const CrackSurface& whole, TaskRunner* runner = nullptr );
+	/// Of an uncracked body: only faces without a link that no chain of linked faces holds are broken.
+	explicit CrackSides( std::shared_ptr<const CrackPatches> patches );
 
 	/// Breaks faces; ignores those already broken.
 	void breakFaces( const std::vector<std::uint32_t>& faces, TaskRunner* runner = nullptr );
@@ -55,7 +55,6 @@ private:
 	void collect( const std::uint32_t* point, const std::uint32_t* end );
 	void reshadeAround( std::uint32_t point );
 	void separatePanels();
-	void reshadeSeparatedPanels();
 
 	std::shared_ptr<const CrackPatches> m_patches;
 	std::vector<std::uint8_t> m_isBroken;  ///< by face

@@ -3,7 +3,6 @@
 #include "lattice/features.h"
 #include "surface/crack_complex/cell_complex.h"
 #include "surface/crack_state/crack_patches.h"
-#include "surface/crack_state/crack_surface.h"
 
 namespace pliant {
 
@@ -14,13 +13,7 @@ Result<std::shared_ptr<const CellComplex>> CellComplex::build(
 	return { requireFeature( missing ), nullptr };
 }
 
-IntactPanels::IntactPanels( const Panels& panels ) : m_panels( &panels ) {}
-
-CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex ) :
-	m_complex( std::move( complex ) ), m_shift( Vec3::Zero() ), m_panels( m_complex->panels )
-{}
-
-std::shared_ptr<const CrackPatches> CrackPatches::make( const CrackSurface&, const float* )
+std::shared_ptr<const CrackPatches> CrackPatches::make( std::shared_ptr<const CellComplex>, const float* )
 {
 	return nullptr;
 }

@@ -21,19 +21,13 @@ SkinMix mixOf( const SkinBinding::Placed& placed )
 	return mix;
 }
 
-/// A mix for each interpolated vertex, at its former index if it had one. Returns the indices by vertex, kSkinNone for all others.
-std::vector<std::uint32_t> takeMixes( const SkinBinding& binding, const std::vector<SkinVertex>* before, std::vector<SkinMix>& mixes )
+/// A mix for each interpolated vertex. Returns the indices by vertex, kSkinNone for all others.
+std::vector<std::uint32_t> takeMixes( const SkinBinding& binding, std::vector<SkinMix>& mixes )
 {
 	std::vector<std::uint32_t> place( binding.placed.empty() ? 0 : binding.restPosition.size(), kSkinNone );
 	for ( const SkinBinding::Placed& placed : binding.placed )
 	{
-		const bool isKnown = before && placed.vertex < before->size() && ( *before )[placed.vertex].count == 0;
-		place[placed.vertex] = isKnown ? ( *before )[placed.vertex].first : std::uint32_t( mixes.size() );
-		if ( isKnown )
-		{
-			mixes[place[placed.vertex]] = mixOf( placed );
-			continue;
-		}
+		place[placed.vertex] = std::uint32_t( mixes.size() );
 		mixes.push_back( mixOf( placed ) );
 	}
 	for ( const SkinBinding::Placed& placed : binding.placed ) // copies lie where their carrier does
@@ -60,15 +54,13 @@ void writeVertices( const SkinBinding& binding, const std::vector<std::uint32_t>
 	}
 }
 
-/// Corners of the triangles that count for normals, each in the list of its group. Pieces and panels that a growing surface may shade later
-/// have an index too, so that a crack changes few entries.
+/// Corners of the triangles that count for normals, each in the list of its group.
 void writeCorners( const SkinBinding& binding, const SkinTriangles& triangles, SkinTables& tables )
 {
 	const std::size_t shading = binding.shading.size();
-	const std::size_t places = binding.shadingPlace.empty() ? shading : std::size_t( binding.shadingPlaces );
 	const std::size_t after = std::size_t( triangles.count ) - binding.shadedTriangles;
 	std::vector<SkinCorner>& corners = tables.corners;
-	corners.assign( 3 * ( places + after ), SkinCorner{ kSkinNone, kSkinNone } );
+	corners.assign( 3 * ( shading + after ), SkinCorner{ kSkinNone, kSkinNone } );
 	const auto write = [&corners]( std::size_t place, const std::uint32_t* three ) {
 		for ( std::size_t k = 0; k < 3; ++k )
 		{
@@ -77,11 +69,11 @@ void writeCorners( const SkinBinding& binding, const SkinTriangles& triangles, S
 	};
 	for ( std::size_t k = 0; k < shading; ++k )
 	{
-		write( binding.shadingPlace.empty() ? k : binding.shadingPlace[k], binding.shading[k].data() );
+		write( k, binding.shading[k].data() );
 	}
 	for ( std::size_t k = 0; k < after; ++k )
 	{
-		write( places + k, triangles.indices + 3 * ( binding.shadedTriangles + k ) );
+		write( shading + k, triangles.indices + 3 * ( binding.shadedTriangles + k ) );
 	}
 	std::vector<std::uint32_t> head( std::size_t( binding.normalGroups ), kSkinNone );
 	for ( std::size_t k = corners.size(); k-- > 0; ) // from the back: lists ascend
@@ -107,15 +99,10 @@ SkinArray<T> wholeArray( const T* data, std::size_t count )
 
 } // namespace
 
-SkinTables makeSkinTables( const SkinBinding& binding, const SkinTriangles& triangles, const std::vector<SkinVertex>* verticesBefore,
-	const std::vector<SkinMix>* mixesBefore )
+SkinTables makeSkinTables( const SkinBinding& binding, const SkinTriangles& triangles )
 {
 	SkinTables tables;
-	if ( mixesBefore )
-	{
-		tables.mixes = *mixesBefore;
-	}
-	const std::vector<std::uint32_t> mixPlace = takeMixes( binding, verticesBefore, tables.mixes );
+	const std::vector<std::uint32_t> mixPlace = takeMixes( binding, tables.mixes );
 	writeVertices( binding, mixPlace, tables.vertices );
 	tables.influences.resize( binding.node.size() );
 	for ( std::size_t k = 0; k < binding.node.size(); ++k )
@@ -134,11 +121,9 @@ void SkinTableStreams::showWhole( std::shared_ptr<const SkinTables> whole, const
 	m_wholeTriangles = triangles;
 }
 
-void SkinTableStreams::showCracks( const SkinBinding& binding, const SkinTriangles& triangles, bool grows )
+void SkinTableStreams::showCracks( const SkinBinding& binding, const SkinTriangles& triangles )
 {
-	const bool isSame = grows && !m_whole;
-	SkinTables tables = makeSkinTables(
-		binding, triangles, isSame ? &m_vertices.entries() : nullptr, isSame ? &m_mixes.entries() : nullptr );
+	SkinTables tables = makeSkinTables( binding, triangles );
 	std::vector<std::uint32_t> indices( triangles.indices, triangles.indices + 3 * std::size_t( triangles.count ) );
 	if ( m_whole )
 	{

@@ -30,7 +30,6 @@ public:
 		return { m_entries.empty() ? nullptr : m_entries.data(), int( m_entries.size() ), m_version, m_since, m_ranges.data(),
 			int( m_ranges.size() ) };
 	}
-	const std::vector<T>& entries() const { return m_entries; }
 
 private:
 	void replace( const std::vector<T>& before, unsigned version, std::vector<T>&& next )
@@ -85,10 +84,8 @@ struct SkinTables
 	std::vector<SkinCorner> corners;
 };
 
-/// Tables of a binding and its drawn triangles. `before`: vertices and mixes of the same surface with fewer cracks, whose mixes keep their
-/// indices; null: none. Mixes that are no longer used keep their values.
-SkinTables makeSkinTables( const SkinBinding& binding, const SkinTriangles& triangles,
-	const std::vector<SkinVertex>* verticesBefore = nullptr, const std::vector<SkinMix>* mixesBefore = nullptr );
+/// Tables of a binding and its drawn triangles.
+SkinTables makeSkinTables( const SkinBinding& binding, const SkinTriangles& triangles );
 
 /// The published data of one body.
 class SkinTableStreams
@@ -96,8 +93,8 @@ class SkinTableStreams
 public:
 	/// Shows a body that has not broken: its template's tables.
 	void showWhole( std::shared_ptr<const SkinTables> whole, const SkinTriangles& triangles );
-	/// Shows a cracked surface. `grows`: it is the one shown before, with more cracks.
-	void showCracks( const SkinBinding& binding, const SkinTriangles& triangles, bool grows );
+	/// Shows a cracked surface.
+	void showCracks( const SkinBinding& binding, const SkinTriangles& triangles );
 	/// By cell its node; none: cells are nodes.
 	void showLevels( const std::uint32_t* nodeOfCell, std::size_t cells );
 	void showOffsets( std::vector<SkinOffset>&& offsets ) { m_offsets.publish( std::move( offsets ) ); }

@@ -37,7 +37,7 @@ VertexSource inputVertex( std::uint32_t vertex )
 
 VertexSource sourceOf( const CellComplex& complex, std::uint32_t kind )
 {
-	if ( kind >= CrackSurface::kInside )
+	if ( kind >= CrackPatches::kInside )
 	{
 		return { { VertexSource::kInside, VertexSource::kInside, VertexSource::kInside }, { 0.0f, 0.0f, 0.0f } };
 	}
@@ -80,10 +80,10 @@ Eigen::Matrix3f turnOf( const SkinBinding& binding, const SkinPose& pose, std::s
 
 std::vector<VertexSource> sourcesOf( const CrackView& cracks, const CellComplex& complex )
 {
-	std::vector<VertexSource> sources( cracks.binding->restPosition.size() );
+	std::vector<VertexSource> sources( cracks.binding.restPosition.size() );
 	for ( std::size_t v = 0; v < sources.size(); ++v )
 	{
-		sources[v] = sourceOf( complex, cracks.kindOf( v ) );
+		sources[v] = sourceOf( complex, cracks.kinds[v] );
 	}
 	return sources;
 }
@@ -124,12 +124,12 @@ std::vector<float> crackTangents( const CrackView& cracks, const std::vector<Ver
 	for ( std::size_t v = 0; v < sources.size(); ++v )
 	{
 		const VertexSource& source = sources[v];
-		const Vec3& normal = cracks.binding->restNormal[v];
+		const Vec3& normal = cracks.binding.restNormal[v];
 		if ( source.vertex[0] == VertexSource::kInside )
 		{
-			// u and v grow along the next two axes (CrackSurface::textureOf)
-			const std::uint32_t kind = cracks.kindOf( v );
-			const int axis = int( ( kind - CrackSurface::kInside ) / 2 );
+			// u and v grow along the next two axes (CrackPatches::Appearance)
+			const std::uint32_t kind = cracks.kinds[v];
+			const int axis = int( ( kind - CrackPatches::kInside ) / 2 );
 			store( Vec3::Unit( ( axis + 1 ) % 3 ), normal[axis] < 0.0f ? -1.0f : 1.0f, tangents.data() + 4 * v );
 			continue;
 		}

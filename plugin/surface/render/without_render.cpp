@@ -6,7 +6,7 @@
 
 namespace pliant {
 
-SkinTables makeSkinTables( const SkinBinding&, const SkinTriangles&, const std::vector<SkinVertex>*, const std::vector<SkinMix>* )
+SkinTables makeSkinTables( const SkinBinding&, const SkinTriangles& )
 {
 	return {};
 }

@@ -53,9 +53,6 @@ struct SkinBinding
 	/// Replaces the first shadedTriangles drawn triangles in the sums of normals: the same, with pieces of intact panels merged.
 	std::vector<std::array<std::uint32_t, 3>> shading;
 	std::uint32_t shadedTriangles = 0;
-	/// Of a surface that grows with its cracks: a number of each entry of `shading` that stays the same, below shadingPlaces. Empty: none.
-	std::vector<std::uint32_t> shadingPlace;
-	std::uint32_t shadingPlaces = 0;
 
 	/// Fills `blended`.
 	void listBlended();

@@ -7,10 +7,10 @@
 
 namespace pliant {
 
-class CellComplex;
+class CrackPatches;
 
 /// Draws the cracks of a body from its own links, along the cuts that it has had.
-void showOwnCracks( const SoftBody::Impl& impl, const std::shared_ptr<const CellComplex>& complex, const float* texture, CrackView& view );
+void showOwnCracks( const SoftBody::Impl& impl, const std::shared_ptr<const CrackPatches>& patches, CrackView& view );
 
 /// The version of the cracks that a game sees, also across a restored state: no two shapes of a body have the same.
 inline unsigned shownVersion( const SoftBody::Impl& impl )
@@ -24,7 +24,6 @@ struct DrawnMesh
 	const SkinBinding& binding;
 	SkinTriangles triangles;
 	std::shared_ptr<const SkinTables> whole; ///< null: the body is cracked
-	bool grows = false;                      ///< the cracked surface grows from one call to the next, at the same address
 	bool hasOffsets = true;                  ///< those of the body's fade
 	const float* texture = nullptr;
 	const std::uint32_t* sources = nullptr;

@@ -69,7 +69,7 @@ void updateTables( const SoftBody::Impl& impl, const DrawnMesh& mesh, GpuSkin& g
 	}
 	else if ( isNew )
 	{
-		gpu.tables.showCracks( mesh.binding, mesh.triangles, mesh.grows && gpu.binding == &mesh.binding );
+		gpu.tables.showCracks( mesh.binding, mesh.triangles );
 	}
 	const Levels* const levels = impl.body->levels();
 	if ( levels && ( isNew || gpu.levelVersion != levels->version() ) )
@@ -85,7 +85,6 @@ void updateTables( const SoftBody::Impl& impl, const DrawnMesh& mesh, GpuSkin& g
 		gpu.tables.showOffsets( std::move( offsets ) );
 		gpu.offsetVersion = fade.offsetVersion();
 	}
-	gpu.binding = &mesh.binding;
 	gpu.fractureVersion = shownVersion( impl );
 	gpu.isShown = true;
 }
@@ -138,9 +137,8 @@ GpuSurfaceView SoftBody::gpuSurface() const
 	DrawnMesh mesh{ binding, impl.shownTriangles(), nullptr };
 	if ( const CrackView* const cracks = impl.shownCracks() )
 	{
-		mesh.grows = cracks->growing != nullptr;
-		mesh.texture = cracks->texture;
-		mesh.sources = cracks->sources;
+		mesh.texture = cracks->texture.data();
+		mesh.sources = cracks->sources.data();
 	}
 	else
 	{

@@ -26,7 +26,7 @@ struct RenderMesh::Data
 	mutable std::mutex mutex;
 	mutable std::shared_ptr<const SkinTables> tables;
 	mutable bool hasTriedCracks = false;
-	mutable std::shared_ptr<const CellComplex> complex;
+	mutable std::shared_ptr<const CrackPatches> patches;
 
 	MeshView view() const
 	{
@@ -43,16 +43,17 @@ struct RenderMesh::Data
 		return tables;
 	}
 	/// Null: cracks of this mesh cannot be computed.
-	std::shared_ptr<const CellComplex> crackComplex() const
+	std::shared_ptr<const CrackPatches> crackPatches() const
 	{
 		const std::lock_guard<std::mutex> lock( mutex );
 		if ( !hasTriedCracks && hasFeature( Feature::Fracture ) )
 		{
 			const LatticeSettings& settings = bodyTemplate->settings();
-			complex = CellComplex::build( view(), bodyTemplate->lattice(), binding, settings, settings.cracks ).value;
+			const auto complex = CellComplex::build( view(), bodyTemplate->lattice(), binding, settings, settings.cracks ).value;
+			patches = complex ? CrackPatches::make( complex, texture() ) : nullptr;
 		}
 		hasTriedCracks = true;
-		return complex;
+		return patches;
 	}
 };
 
@@ -123,12 +124,8 @@ struct RenderSkin::Impl
 	GpuSkin gpu;
 	std::vector<VertexSource> sources;
 
-	const SkinBinding& binding() const { return isCracked ? *cracks.binding : mesh->data().binding; }
-	SkinTriangles triangles() const
-	{
-		return isCracked ? SkinTriangles{ cracks.triangleCount > 0 ? cracks.triangles->data() : nullptr, cracks.triangleCount }
-						 : mesh->data().triangles();
-	}
+	const SkinBinding& binding() const { return isCracked ? cracks.binding : mesh->data().binding; }
+	SkinTriangles triangles() const { return isCracked ? cracks.shown() : mesh->data().triangles(); }
 
 	/// Updates the cracks. False if nothing can be drawn.
 	bool follow( const SoftBody& body )
@@ -146,15 +143,15 @@ struct RenderSkin::Impl
 		gpu.isShown = gpu.isShown && isSame;
 		gpu.mapVersion = isSame ? gpu.mapVersion : 0;
 		isCracked = !impl.body->firstCells().empty();
-		const std::shared_ptr<const CellComplex> complex = isCracked ? mesh->data().crackComplex() : nullptr;
-		if ( isCracked && !complex )
+		const std::shared_ptr<const CrackPatches> patches = isCracked ? mesh->data().crackPatches() : nullptr;
+		if ( isCracked && !patches )
 		{
 			return false;
 		}
 		if ( isCracked )
 		{
 			cracks.wantsKinds = true;
-			showOwnCracks( impl, complex, mesh->data().texture(), cracks );
+			showOwnCracks( impl, patches, cracks );
 		}
 		isShown = true;
 		shown = &body;
@@ -212,12 +209,11 @@ SurfaceView RenderSkin::surface( const SoftBody& body )
 	view.positions = own.positions[own.current].data();
 	view.normals = own.normals[own.current].data();
 	view.indices = own.triangles().indices;
-	view.textureCoordinates = own.isCracked ? own.cracks.texture : own.mesh->data().texture();
-	view.triangleSource = own.isCracked ? own.cracks.sources : nullptr;
+	view.textureCoordinates = own.isCracked ? own.cracks.texture.data() : own.mesh->data().texture();
+	view.triangleSource = own.isCracked ? own.cracks.sources.data() : nullptr;
 	view.vertexCount = int( binding.restPosition.size() );
 	view.triangleCount = own.triangles().count;
 	view.topologyVersion = own.fractureVersion;
-	view.changedSince = own.fractureVersion;
 	view.frame = own.frame;
 	return view;
 }
@@ -231,8 +227,8 @@ GpuSurfaceView RenderSkin::gpuSurface( const SoftBody& body )
 	}
 	DrawnMesh mesh{ own.binding(), own.triangles(), own.isCracked ? nullptr : own.mesh->data().skinTables() };
 	mesh.hasOffsets = false;
-	mesh.texture = own.isCracked ? own.cracks.texture : own.mesh->data().texture();
-	mesh.sources = own.isCracked ? own.cracks.sources : nullptr;
+	mesh.texture = own.isCracked ? own.cracks.texture.data() : own.mesh->data().texture();
+	mesh.sources = own.isCracked ? own.cracks.sources.data() : nullptr;
 	return gpuView( body.impl(), mesh, own.gpu );
 }
 
@@ -245,7 +241,7 @@ VertexSourceView RenderSkin::vertexSources( const SoftBody& body )
 	}
 	if ( !own.areSourcesKnown )
 	{
-		own.sources = own.isCracked ? sourcesOf( own.cracks, *own.mesh->data().crackComplex() ) : std::vector<VertexSource>();
+		own.sources = own.isCracked ? sourcesOf( own.cracks, *own.mesh->data().crackPatches()->complex ) : std::vector<VertexSource>();
 		own.areSourcesKnown = true;
 	}
 	return { own.sources.empty() ? nullptr : own.sources.data(), int( own.binding().restPosition.size() ), own.fractureVersion };

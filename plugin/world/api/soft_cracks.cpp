@@ -1,5 +1,6 @@
 // Cracks in the skin: the crack faces that are drawn, and the state kept for them.
 
+#include "lattice/assert_valid.h"
 #include "lattice/attempt.h"
 #include "lattice/guarded_tasks.h"
 #include "surface/crack_shapes/cell_owners.h"
@@ -7,24 +8,44 @@
 #include "world/step/soft_body_system.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace pliant {
 
 namespace {
 
+/// `first`, `second`: cells of the template.
+bool isOpen( const Body& body, std::uint32_t first, std::uint32_t second )
+{
+	const std::uint32_t a = body.ownCell( first ), b = body.ownCell( second );
+	return a == kNoNode || b == kNoNode || !areLinked( body.lattice(), a, b );
+}
+
 /// Returns the cuts whose links are still broken; healed ones do not shape crack faces.
 std::vector<CutTrace> openCuts( const std::vector<CutTrace>& cuts, const Body& body )
 {
 	std::vector<CutTrace> open;
-	for ( const CutTrace& cut : cuts )
+	std::copy_if( cuts.begin(), cuts.end(), std::back_inserter( open ),
+		[&body]( const CutTrace& cut ) { return isOpen( body, cut.link.a, cut.link.b ); } );
+	return open;
+}
+
+/// Returns the faces of a body's cells that have lost their link.
+std::vector<std::uint32_t> openFaces( const CellComplex& complex, const Body& body )
+{
+	std::vector<std::uint32_t> open;
+	for ( const std::uint32_t cell : body.firstCells() )
 	{
-		const std::uint32_t a = body.ownCell( cut.link.a ), b = body.ownCell( cut.link.b );
-		if ( a == kNoNode || b == kNoNode || !areLinked( body.lattice(), a, b ) )
-		{
-			open.push_back( cut );
-		}
+		std::copy_if( complex.facesOfCell.begin( cell ), complex.facesOfCell.end( cell ), std::back_inserter( open ),
+			[&]( std::uint32_t f ) { return complex.face[f].isLinked && isOpen( body, complex.face[f].cellA, complex.face[f].cellB ); } );
 	}
 	return open;
+}
+
+/// The body's mass centre relative to the template's, m.
+Vec3 shiftOf( const SoftBody::Impl& impl )
+{
+	return ( impl.body->lattice().massCentre - impl.bodyTemplate->lattice().massCentre ).cast<float>();
 }
 
 } // namespace
@@ -32,18 +53,14 @@ std::vector<CutTrace> openCuts( const std::vector<CutTrace>& cuts, const Body& b
 bool SoftBody::Impl::hasNewCracks() const
 {
 	const bool isKnown = body->firstCells().empty() || ( crackView && crackVersion == fractureVersion );
-	return !isKnown && bodyTemplate->crackComplex();
+	return !isKnown && bodyTemplate->crackPatches();
 }
 
 // Pieces of one body share their crack state if its skin was read before it broke. Otherwise cracks are drawn from each body's own links.
 const SkinBinding& SoftBody::Impl::binding() const
 {
-	if ( !hasNewCracks() )
-	{
-		return crackView ? *crackView->binding : bodyTemplate->skin();
-	}
-	drawCracks();
-	return *crackView->binding;
+	hasNewCracks() ? drawCracks() : void();
+	return crackView ? crackView->binding : bodyTemplate->skin();
 }
 
 // The skins of pieces of the same body are usually read next, so with several threads the cracks of all are drawn at once.
@@ -67,7 +84,7 @@ void SoftBody::Impl::drawFamilyCracks() const
 	}
 	std::stable_sort( siblings.begin(), siblings.end(),
 		[]( const Impl* a, const Impl* b ) { return a->body->firstCells().size() > b->body->firstCells().size(); } );
-	crackFamily->catchUp( siblings.front()->body->firstCells().size(), runner );
+	crackFamily->catchUp( runner );
 	// Bodies with more cells than the mean per thread are drawn one after another by all threads together.
 	auto next = siblings.begin();
 	for ( ; next != siblings.end() && ( *next )->body->firstCells().size() * std::size_t( runner->threadCount() ) > cells; ++next )
@@ -84,14 +101,12 @@ void SoftBody::Impl::drawCracks( TaskRunner* runner ) const
 	crackView->wantsKinds = skin.vertexData != nullptr;
 	if ( crackFamily )
 	{
-		const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
-		crackFamily->show( body->firstCells(), shift, *crackView, runner );
+		crackFamily->show( body->firstCells(), shiftOf( *this ), *crackView, runner );
 	}
 	else
 	{
-		showOwnCracks();
+		showOwnCracks( *this, bodyTemplate->crackPatches(), *crackView );
 	}
-	crackVersionBefore = crackVersion;
 	crackVersion = fractureVersion;
 	skin.rigid.forget();
 }
@@ -101,30 +116,22 @@ void SoftBody::Impl::wantKinds() const
 	skin.vertexData = skin.vertexData ? std::move( skin.vertexData ) : std::make_unique<VertexData>();
 	if ( shownCracks() && !crackView->hasKinds() )
 	{
-		const unsigned before = crackVersionBefore;
 		drawCracks(); // again: the same
-		crackVersionBefore = before;
 	}
 }
 
-void SoftBody::Impl::showOwnCracks() const
-{
-	pliant::showOwnCracks( *this, bodyTemplate->crackComplex(), bodyTemplate->textureCoordinates(), *crackView );
-}
-
-void showOwnCracks( const SoftBody::Impl& impl, const std::shared_ptr<const CellComplex>& complex, const float* texture, CrackView& view )
+void showOwnCracks( const SoftBody::Impl& impl, const std::shared_ptr<const CrackPatches>& patches, CrackView& view )
 {
 	const Body& body = *impl.body;
-	const Vec3 shift = ( body.lattice().massCentre - impl.bodyTemplate->lattice().massCentre ).cast<float>();
-	CrackSurface cracks( complex, body.firstCells(), body.lattice(), shift );
+	CrackSides sides( patches );
 	if ( impl.cuts )
 	{
-		BladePath path( complex );
-		cracks.follow( path, path.add( openCuts( *impl.cuts, body ) ) );
+		BladePath path( patches->complex );
+		sides.follow( path, path.add( openCuts( *impl.cuts, body ) ) );
 	}
-	std::vector<float> coordinates( 2 * std::size_t( cracks.vertexCount() ) );
-	cracks.textureCoordinates( texture, 0, coordinates.data() );
-	cracks.showPanelsAsOne( coordinates.data(), view );
+	sides.breakFaces( openFaces( *patches->complex, body ) );
+	assertValid( sides );
+	CrackGatherer().gather( sides, body.firstCells(), shiftOf( impl ), view );
 }
 
 /// All pieces of one body share the cuts, so that both sides of a crack draw a point at the same position.
@@ -157,8 +164,7 @@ void SoftBody::Impl::makeSharedCrackState()
 {
 	if ( !crackFamily && body->firstCells().empty() && bodyTemplate->crackPatches() )
 	{
-		crackFamily = std::make_shared<SharedCrackState>( *bodyTemplate->crackSurface(), bodyTemplate->crackPatches(),
-			bodyTemplate->textureCoordinates(), body->fracture().rule == BreakRule::Shards );
+		crackFamily = std::make_shared<SharedCrackState>( bodyTemplate->crackPatches() );
 	}
 }
 

@@ -137,21 +137,6 @@ void SoftBody::Impl::fadeFromKeptSurface()
 	skin.blend ? skin.blend->kept.renumber( change.source ) : void();
 }
 
-namespace {
-
-void showCracks( const CrackView& cracks, unsigned since, SurfaceView& view )
-{
-	view.textureCoordinates = cracks.texture;
-	view.triangleSource = cracks.sources;
-	view.changedSince = since;
-	view.firstNewVertex = int( cracks.change.firstNewVertex );
-	view.firstNewTriangle = int( cracks.change.firstNewTriangle );
-	view.firstChangedTriangle = int( cracks.change.firstChanged );
-	view.lastChangedTriangle = int( cracks.change.lastChanged );
-}
-
-} // namespace
-
 const CrackView* SoftBody::Impl::shownCracks() const
 {
 	return crackView && crackVersion == fractureVersion ? crackView.get() : nullptr;
@@ -160,11 +145,7 @@ const CrackView* SoftBody::Impl::shownCracks() const
 SkinTriangles SoftBody::Impl::shownTriangles() const
 {
 	const CrackView* const cracks = shownCracks();
-	if ( !cracks )
-	{
-		return { bodyTemplate->indices(), bodyTemplate->triangleCount() };
-	}
-	return { cracks->triangleCount > 0 ? cracks->triangles->data() : nullptr, cracks->triangleCount };
+	return cracks ? cracks->shown() : SkinTriangles{ bodyTemplate->indices(), bodyTemplate->triangleCount() };
 }
 
 void SoftBody::Impl::drawSkin( TaskRunner* runner ) const
@@ -297,12 +278,8 @@ SurfaceView SoftBody::surface() const
 	view.vertexCount = int( binding.restPosition.size() );
 	view.triangleCount = triangles.count;
 	view.topologyVersion = impl.fractureVersion + impl.versionShift;
-	view.textureCoordinates = impl.bodyTemplate->textureCoordinates();
-	view.changedSince = view.topologyVersion;
-	if ( cracks )
-	{
-		showCracks( *cracks, impl.crackVersionBefore + impl.versionShift, view );
-	}
+	view.textureCoordinates = cracks ? cracks->texture.data() : impl.bodyTemplate->textureCoordinates();
+	view.triangleSource = cracks ? cracks->sources.data() : nullptr;
 	view.frame = skinBuffers.frame;
 	return view;
 }

@@ -22,7 +22,7 @@ void SoftBody::Impl::wantKinds() const
 	skin.vertexData = skin.vertexData ? std::move( skin.vertexData ) : std::make_unique<VertexData>();
 }
 
-void showOwnCracks( const SoftBody::Impl&, const std::shared_ptr<const CellComplex>&, const float*, CrackView& ) {}
+void showOwnCracks( const SoftBody::Impl&, const std::shared_ptr<const CrackPatches>&, CrackView& ) {}
 
 void SoftBody::Impl::noteCracks( const BreakReport& )
 {

@@ -58,8 +58,7 @@ struct Pin
 struct GpuSkin
 {
 	SkinTableStreams tables;
-	const SkinBinding* binding = nullptr; ///< whose tables they are
-	bool isShown = false;                 ///< the tables have been made
+	bool isShown = false; ///< the tables have been made
 	unsigned fractureVersion = 0, levelVersion = 0, offsetVersion = 0;
 	unsigned frame = 0, mapVersion = 0; ///< SkinBuffers::mapVersion of the frame
 	double fraction = 1.0;              ///< between steps, of the frame
@@ -218,7 +217,6 @@ struct SoftBody::Impl
 	mutable std::unique_ptr<CrackView> crackView;  ///< null: the template's mesh is drawn as it is
 	bool wasDrawn = false;                         ///< the body it broke off from was drawn
 	mutable unsigned crackVersion = 0;             ///< fractureVersion shown by crackView
-	mutable unsigned crackVersionBefore = 0;       ///< fractureVersion that the view's last change started from
 
 	std::unique_ptr<SelfCollision> self;    ///< null: no self-collision
 	std::unique_ptr<PoseFollower> follower; ///< null: follows no pose
@@ -333,10 +331,9 @@ struct SoftBody::Impl
 	/// shows none.
 	bool placeDrawn( std::vector<float>& positions, std::vector<float>& normals, SkinTriangles& triangles ) const;
 	bool hasNewCracks() const;
-	void showOwnCracks() const;
 	void drawCracks( TaskRunner* runner = nullptr ) const;
 	void drawFamilyCracks() const;
-	/// Lets the shown cracks record the sources of their vertices (CrackView::kindOf).
+	/// Lets the shown cracks record the sources of their vertices (CrackView::kinds).
 	void wantKinds() const;
 	bool isDrawn() const { return wasDrawn || skin.isRead(); }
 	/// Adds the new cuts to those of the family. Call before adopt().

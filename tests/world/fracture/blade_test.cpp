@@ -2,10 +2,13 @@
 
 #include "world/test_world.h"
 
+#include <pliant/render/vertex_attributes.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <set>
 
 namespace pliant {
 namespace {
@@ -161,10 +164,25 @@ TEST( Blade, AHealedSlitIsDrawnIntact )
 	ASSERT_GT( soft->heal(), 0 );
 	test.run( 1 );
 	const SurfaceView healed = soft->surface();
-	for ( std::size_t k = 0; k < before.size(); ++k )
+	const VertexSourceView from = vertexSources( *soft ); // in another order
+	ASSERT_EQ( from.vertexCount, healed.vertexCount );
+	std::set<std::uint32_t> drawn;
+	for ( std::size_t v = 0; v < std::size_t( healed.vertexCount ); ++v )
 	{
-		ASSERT_NEAR( healed.positions[k], before[k], 0.02f * kCell ) << k; // it has swung a little
+		const VertexSource& source = from.sources[v];
+		ASSERT_NE( source.vertex[0], VertexSource::kInside );
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			float place = 0.0f;
+			for ( std::size_t i = 0; i < 3; ++i )
+			{
+				place += source.weight[i] * before[3 * std::size_t( source.vertex[i] ) + k];
+			}
+			ASSERT_NEAR( healed.positions[3 * v + k], place, 0.02f * kCell ) << v; // it has swung a little
+		}
+		source.weight[0] == 1.0f ? void( drawn.insert( source.vertex[0] ) ) : void();
 	}
+	EXPECT_EQ( 3 * drawn.size(), before.size() );
 }
 
 TEST( Blade, ASphereIsDrawnRound )

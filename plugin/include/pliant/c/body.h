@@ -84,11 +84,6 @@ typedef struct pliant_surface
 	const uint32_t* triangle_source;  ///< the input's triangle; 0xffffffff for a crack face; null: triangle i is the input's
 	int32_t vertices;                 ///< number of vertices; 0 for a body without a skin
 	int32_t triangles;                ///< number of triangles
-	uint32_t changed_since;           ///< who holds this version needs only what the following say, others everything
-	int32_t first_new_vertex;         ///< vertices from here on
-	int32_t first_new_triangle;       ///< triangles from here on
-	int32_t first_changed_triangle;   ///< and those from here ...
-	int32_t last_changed_triangle;    ///< ... to before here
 	uint32_t frame;                   ///< changes when positions change
 } pliant_surface;
 
