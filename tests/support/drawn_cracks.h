@@ -79,11 +79,7 @@ public:
 	}
 
 private:
-	void draw()
-	{
-		m_view.wantsKinds = true;
-		CrackGatherer().gather( *m_sides, m_cells, m_shift, m_view );
-	}
+	void draw() { CrackGatherer().gather( *m_sides, m_cells, m_shift, m_view ); }
 
 	std::shared_ptr<CrackSides> m_sides;
 	std::vector<std::uint32_t> m_cells;

@@ -18,10 +18,8 @@ struct CrackView
 	std::vector<std::array<std::uint32_t, 3>> triangles;
 	std::vector<std::uint32_t> sources; ///< by triangle: the input's triangle, or CellComplex::kNone for the inside
 	std::vector<float> texture;         ///< u, v of each vertex
-	bool wantsKinds = false;            ///< whether `kinds` is to be listed
 	std::vector<std::uint32_t> kinds;   ///< by vertex: CrackPatches::Appearance::kind
 
-	bool hasKinds() const { return kinds.size() == binding.restPosition.size(); }
 	SkinTriangles shown() const { return { triangles.empty() ? nullptr : triangles[0].data(), int( triangles.size() ) }; }
 };
 

@@ -73,7 +73,7 @@ void CrackGatherer::makeArrays( CrackView& view ) const
 	resizeForOverwrite( to.point, m_count );
 	resizeForOverwrite( to.start, std::size_t( m_count ) + 1 );
 	resizeForOverwrite( view.texture, 2 * std::size_t( m_count ) );
-	resizeForOverwrite( view.kinds, view.wantsKinds ? m_count : 0 );
+	resizeForOverwrite( view.kinds, m_count );
 	resizeForOverwrite( view.sources, view.triangles.size() + 1 ); // one more: see takeSources
 }
 
@@ -108,10 +108,7 @@ void CrackGatherer::writeVertices( const Vec3& shift, CrackView& view, std::size
 		to.point[k] = appearance.point;
 		view.texture[2 * k] = appearance.u;
 		view.texture[2 * k + 1] = appearance.v;
-	}
-	for ( std::size_t k = first; k < last && view.wantsKinds; ++k )
-	{
-		view.kinds[k] = patches.appearance[m_made[k].vertex].kind;
+		view.kinds[k] = appearance.kind;
 	}
 	writeNormals( to, first, last );
 }

@@ -150,7 +150,6 @@ struct RenderSkin::Impl
 		}
 		if ( isCracked )
 		{
-			cracks.wantsKinds = true;
 			showOwnCracks( impl, patches, cracks );
 		}
 		isShown = true;

@@ -98,7 +98,6 @@ void SoftBody::Impl::drawFamilyCracks() const
 void SoftBody::Impl::drawCracks( TaskRunner* runner ) const
 {
 	crackView = crackView ? std::move( crackView ) : std::make_unique<CrackView>();
-	crackView->wantsKinds = skin.vertexData != nullptr;
 	if ( crackFamily )
 	{
 		crackFamily->show( body->firstCells(), shiftOf( *this ), *crackView, runner );
@@ -109,15 +108,6 @@ void SoftBody::Impl::drawCracks( TaskRunner* runner ) const
 	}
 	crackVersion = fractureVersion;
 	skin.rigid.forget();
-}
-
-void SoftBody::Impl::wantKinds() const
-{
-	skin.vertexData = skin.vertexData ? std::move( skin.vertexData ) : std::make_unique<VertexData>();
-	if ( shownCracks() && !crackView->hasKinds() )
-	{
-		drawCracks(); // again: the same
-	}
 }
 
 void showOwnCracks( const SoftBody::Impl& impl, const std::shared_ptr<const CrackPatches>& patches, CrackView& view )

@@ -18,8 +18,9 @@ VertexData* knownSources( const SoftBody::Impl& impl )
 	{
 		return nullptr;
 	}
-	impl.wantKinds();
-	VertexData& data = *impl.skin.vertexData;
+	std::unique_ptr<VertexData>& known = impl.skin.vertexData;
+	known = known ? std::move( known ) : std::make_unique<VertexData>();
+	VertexData& data = *known;
 	if ( !data.areSourcesKnown || data.sourceVersion != shownVersion( impl ) )
 	{
 		const CrackView* const cracks = impl.shownCracks();

@@ -17,11 +17,6 @@ const SkinBinding& SoftBody::Impl::binding() const
 }
 
 void SoftBody::Impl::drawFamilyCracks() const {}
-void SoftBody::Impl::wantKinds() const
-{
-	skin.vertexData = skin.vertexData ? std::move( skin.vertexData ) : std::make_unique<VertexData>();
-}
-
 void showOwnCracks( const SoftBody::Impl&, const std::shared_ptr<const CrackPatches>&, CrackView& ) {}
 
 void SoftBody::Impl::noteCracks( const BreakReport& )

@@ -150,7 +150,6 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	impl.wasDrawn = from.isDrawn();
 	impl.cuts = from.cuts;
 	impl.skin.tolerance = from.skin.tolerance;
-	impl.skin.vertexData = from.skin.vertexData ? std::make_unique<VertexData>() : nullptr;
 	impl.fading = from.fading;
 	impl.isKept = from.isKept;
 	impl.scale = from.scale;

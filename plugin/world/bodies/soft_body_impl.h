@@ -333,8 +333,6 @@ struct SoftBody::Impl
 	bool hasNewCracks() const;
 	void drawCracks( TaskRunner* runner = nullptr ) const;
 	void drawFamilyCracks() const;
-	/// Lets the shown cracks record the sources of their vertices (CrackView::kinds).
-	void wantKinds() const;
 	bool isDrawn() const { return wasDrawn || skin.isRead(); }
 	/// Adds the new cuts to those of the family. Call before adopt().
 	void noteCuts();
