@@ -19,6 +19,8 @@ inline constexpr std::size_t kStreamBlock = 16;
 
 // --- Skin ---
 
+/// Most cells that carry a vertex or a point of a crack: the bits of the word that represents those of a side.
+inline constexpr std::size_t kMostCarriers = 64;
 /// Radius of a cell's influence on vertices, cells. With 1.4 every point has at least two cells of full material in reach, no cell beyond
 /// the 27 around it has influence, and linear fields are exact at the centres, faces and corners of cells.
 inline constexpr double kSkinSupport = 1.4;

@@ -1,4 +1,4 @@
-// Crack surfaces: building a template's cell complex, opening cracks, updating the binding, extracting pieces.
+// Crack surfaces: building a template's cell complex, opening cracks, drawing them, pieces from their own faces, skins and whole frames.
 
 #include "lattice/build/build_lattice.h"
 #include "lattice/test_meshes.h"

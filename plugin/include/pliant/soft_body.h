@@ -24,8 +24,8 @@ struct Gas;
 struct GpuSurfaceView;
 using SoftBodyResult = Result<std::unique_ptr<SoftBody>>;
 
-/// The skinned render mesh of a body. As long as nothing has broken, vertex i is the input mesh's vertex i. Cracks add vertices for their
-/// sides; when topologyVersion changes, indices, sources and texture coordinates have to be read again. Pointers: see SoftBody::surface.
+/// The skinned render mesh of a body. Until something has broken, vertex i is the input mesh's vertex i. Cracks give it other vertices and
+/// triangles (vertexSources): when topologyVersion changes, all but positions has to be read again. Pointers: see SoftBody::surface.
 struct SurfaceView
 {
 	btVector3 origin; ///< world position that the vertices are relative to, m. Keeps float vertices exact far from the world's origin.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 #include <unordered_map>
 #include <utility>
 
@@ -40,10 +41,6 @@ std::shared_ptr<const CrackPatches> CrackPatches::make( std::shared_ptr<const Ce
 	const CellComplex& complex = *made->complex;
 	for ( std::size_t p = 0; p < complex.pointCount(); ++p )
 	{
-		if ( complex.bindStart[p + 1] - complex.bindStart[p] > kMostCarriers )
-		{
-			return nullptr;
-		}
 		made->pointOfSlot.insert( made->pointOfSlot.end(), complex.cellsOfPoint.size( p ), std::uint32_t( p ) );
 	}
 	made->addPatches( texture );
@@ -52,6 +49,7 @@ std::shared_ptr<const CrackPatches> CrackPatches::make( std::shared_ptr<const Ce
 	made->numberPanels();
 	made->sortIntoClasses();
 	made->addTies();
+	made->findDivided();
 	made->addNormalShifts();
 	return made;
 }
@@ -95,12 +93,35 @@ std::uint32_t CrackPatches::slotOf( std::uint32_t point, std::uint32_t cell ) co
 		complex->cellsOfPoint.entry.data() );
 }
 
+void CrackPatches::findDivided()
+{
+	std::vector<std::uint8_t> isDrawn( complex->pointCount(), 0 );
+	for ( const std::uint32_t point : complex->vertexPoint )
+	{
+		isDrawn[point] = 1;
+	}
+	std::vector<std::uint32_t> first; // by cell of the point: the first of the cells that are joined to it
+	for ( std::uint32_t point = 0; point < std::uint32_t( isDrawn.size() ); ++point )
+	{
+		first.resize( complex->cellsOfPoint.size( point ) );
+		std::iota( first.begin(), first.end(), 0u );
+		std::size_t groups = first.size();
+		for ( std::uint32_t t = slotTieStart[point]; t < slotTieStart[point + 1]; ++t )
+		{
+			const std::uint32_t a = first[slotTie[t].a], b = first[slotTie[t].b];
+			groups -= a != b ? 1 : 0;
+			std::replace( first.begin(), first.end(), std::max( a, b ), std::min( a, b ) );
+		}
+		groups > 1 && isDrawn[point] ? dividedPoints.push_back( point ) : void();
+	}
+}
+
 void CrackPatches::addPatches( const float* texture )
 {
 	std::unordered_map<std::uint64_t, std::uint32_t> known; // by slot and kind: vertices of the current patch
 	const auto begin = [&] {
 		patch.push_back( { std::uint32_t( vertex.size() ), std::uint32_t( triangle.size() ) } );
-		known.clear();
+		known = {}; // clearing it would cost as much as its largest patch
 	};
 	const auto numberOf = [&]( std::uint32_t point, std::uint32_t cell, std::uint32_t kind ) {
 		const std::uint32_t slot = slotOf( point, cell );

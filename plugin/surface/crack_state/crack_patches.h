@@ -21,10 +21,8 @@ public:
 	static constexpr std::uint8_t kNoBit = 0xff;
 	/// Kinds of vertices at a point: a vertex of the complex, or kInside + 2 x axis + side for a face.
 	static constexpr std::uint32_t kInside = 0xfffffff0u;
-	/// The carriers of a point, the cells that determine its position in the uncracked body, are represented by the bits of a word.
-	static constexpr std::size_t kMostCarriers = 64;
 
-	/// `texture`: u, v of the input's vertices, or null. Returns null where a point has more carriers than a word has bits.
+	/// `texture`: u, v of the input's vertices, or null.
 	static std::shared_ptr<const CrackPatches> make( std::shared_ptr<const CellComplex> complex, const float* texture );
 
 	/// A point as drawn by one cell: the data that determine which vertices coincide, ...
@@ -85,7 +83,8 @@ public:
 	/// class, between the carriers of its points.
 	std::vector<std::uint32_t> slotTieStart, looseTieStart, carrierTieStart;
 	std::vector<Tie> slotTie, carrierTie, looseTie;
-	std::vector<std::uint8_t> bitOfSlot; ///< bit of the cell among the point's carriers, or kNoBit
+	std::vector<std::uint32_t> dividedPoints; ///< drawn points with cells that no faces join: triangles without common vertices
+	std::vector<std::uint8_t> bitOfSlot;      ///< bit of the cell among the point's carriers, or kNoBit
 
 	std::shared_ptr<const CellComplex> complex;
 
@@ -98,6 +97,7 @@ private:
 	void findUnshared();
 	void sortIntoClasses();
 	void addTies();
+	void findDivided();
 	void addNormalShifts();
 	template <class Take>
 	void forCarriersBeside( std::uint32_t cell, const std::vector<std::uint8_t>& bitOfCell, Take&& take ) const;

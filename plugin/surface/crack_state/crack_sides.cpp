@@ -61,8 +61,8 @@ CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches ) :
 	{
 		m_isDrawn[point] = 1;
 	}
-	collect( c.vertexPoint.data(), c.vertexPoint.data() + c.vertexPoint.size() );
-	runOver( m_found, &CrackSides::regroup, nullptr ); // triangles without common vertices may leave cells that no face joins
+	m_found = m_patches->dividedPoints;
+	runOver( m_found, &CrackSides::regroup, nullptr );
 	separatePanels();
 	std::vector<std::uint32_t> unlinked;
 	for ( std::uint32_t face = 0; face < std::uint32_t( c.face.size() ); ++face )
@@ -295,7 +295,7 @@ void CrackSides::joinCarriers( std::uint32_t ofClass )
 	const CrackPatches& p = *m_patches;
 	m_isClassMarked[ofClass] = 0;
 	const std::uint32_t first = p.firstOfClass[ofClass], count = p.firstOfClass[ofClass + 1] - first;
-	std::uint64_t beside[CrackPatches::kMostCarriers];
+	std::uint64_t beside[kMostCarriers];
 	std::fill_n( beside, count, 0 );
 	for ( std::uint32_t t = p.carrierTieStart[ofClass]; t < p.carrierTieStart[ofClass + 1]; ++t )
 	{

@@ -23,7 +23,7 @@ struct VertexData
 	unsigned tangentFrame = 0;                   ///< of `tangents`
 };
 
-/// The sources of the vertices of a cracked surface. The view must have kinds.
+/// The sources of the vertices of a cracked surface.
 std::vector<VertexSource> sourcesOf( const CrackView& cracks, const CellComplex& complex );
 
 /// Tangents of the input's vertices from its texture coordinates, 4 floats per vertex: along the surface in the direction of growing u,

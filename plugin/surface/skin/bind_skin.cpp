@@ -129,8 +129,12 @@ public:
 			if ( weight > 0.0 && isWithinTwoLinks( cell ) )
 			{
 				nodeWeights.push_back( NodeWeight{ cell, weight } );
-				sum += weight;
 			}
+		}
+		keepHeaviest( first, nodeWeights );
+		for ( std::size_t k = first; k < nodeWeights.size(); ++k )
+		{
+			sum += nodeWeights[k].weight;
 		}
 		if ( nodeWeights.size() == first ) // out of reach of every cell
 		{
@@ -144,6 +148,18 @@ public:
 	}
 
 private:
+	/// Of the entries from `first` on, keeps the kMostCarriers heaviest, by ascending node: thin parts may have several cells at one place.
+	static void keepHeaviest( std::size_t first, std::vector<NodeWeight>& entries )
+	{
+		if ( entries.size() - first > kMostCarriers )
+		{
+			const auto begin = entries.begin() + std::ptrdiff_t( first );
+			std::stable_sort( begin, entries.end(), []( const NodeWeight& a, const NodeWeight& b ) { return a.weight > b.weight; } );
+			entries.resize( first + kMostCarriers );
+			std::sort( begin, entries.end(), []( const NodeWeight& a, const NodeWeight& b ) { return a.node < b.node; } );
+		}
+	}
+
 	/// Marks a cell and those one link away.
 	void markLinks( std::uint32_t owner )
 	{

@@ -60,7 +60,8 @@ bool SoftBody::Impl::hasNewCracks() const
 const SkinBinding& SoftBody::Impl::binding() const
 {
 	hasNewCracks() ? drawCracks() : void();
-	return crackView ? crackView->binding : bodyTemplate->skin();
+	static const SkinBinding none; // for a broken body whose cracks there is no memory to draw: the template's skin follows other nodes
+	return crackView ? crackView->binding : body->firstCells().empty() ? bodyTemplate->skin() : none;
 }
 
 // The skins of pieces of the same body are usually read next, so with several threads the cracks of all are drawn at once.

@@ -1,5 +1,6 @@
 // Cuts are drawn along the blade's surface, not along the faces of the cut cells. Steinemann et al. 2008, section 7.
 
+#include "test_meshes.h"
 #include "world/test_world.h"
 
 #include <pliant/render/vertex_attributes.h>
@@ -257,6 +258,43 @@ TEST( Blade, DoesNotDependOnHowOftenTheBodyIsDrawn )
 		}
 	}
 	EXPECT_EQ( drawn[0], drawn[1] );
+}
+
+// A brush with sixteen bristles a cell has points with 119 cells around them. Its halves were drawn by the skin of the whole, whose nodes
+// they do not have.
+TEST( Blade, TheHalvesOfABrushAreDrawn )
+{
+	constexpr int kBristles = 20; // along an edge
+	constexpr double kPitch = 2.0 / kBristles;
+	test::Mesh brush = test::makeBox( { 0, 0, 0 }, { 2.0, 0.4, 2.0 } );
+	for ( int i = 0; i < kBristles * kBristles; ++i )
+	{
+		const double x = kPitch * ( i % kBristles ), z = kPitch * ( i / kBristles );
+		brush = test::joined(
+			brush, test::makeBox( { x + 0.25 * kPitch, 0.2, z + 0.25 * kPitch }, { x + 0.75 * kPitch, 1.2, z + 0.75 * kPitch } ) );
+	}
+	LatticeSettings settings;
+	settings.cellSize = 0.4f;
+	const auto shape = BodyTemplate::build( brush.view(), settings ).value;
+	ASSERT_NE( shape, nullptr );
+	TestWorld t;
+	t.world.setGravity( btVector3( 0, 0, 0 ) );
+	SoftBody* const body = t.addSoft( shape, at( 0, 0, 0 ) );
+	t.run( 1 );
+	const int whole = body->surface().vertexCount;
+	ASSERT_GT( body->cutPlane( body->massCentre(), btVector3( 1, 0, 0 ), 100 ), 0 );
+	t.run( 1 );
+	ASSERT_EQ( t.world.softBodyCount(), 2 );
+	for ( int k = 0; k < 2; ++k )
+	{
+		const SurfaceView view = t.world.softBody( k )->surface();
+		EXPECT_GT( view.vertexCount, whole / 3 );
+		EXPECT_NE( view.vertexCount, whole );
+		for ( int i = 0; i < 3 * view.vertexCount; ++i )
+		{
+			ASSERT_LT( std::abs( view.positions[i] ), 3.0f );
+		}
+	}
 }
 
 } // namespace
