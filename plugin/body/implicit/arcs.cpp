@@ -15,7 +15,7 @@ namespace pliant {
 
 // Where sound crosses a part several times within the step its elasticity turns the velocities within it, and the centrifugal force
 // stretches it by a fraction of what the tangents would. With s the distance that sound travels, r the root of the mean square radius and q
-// that of the distances from the middle plane across the thinnest direction:
+// that of the distances of its material from the middle plane across the thinnest direction, d^2 / 12 of them within cells of size d:
 //
 //   s > n r along it,   s q > r^2 as it bends
 bool ImplicitMotion::isCrossedBySound( int part ) const
@@ -28,7 +28,7 @@ bool ImplicitMotion::isCrossedBySound( int part ) const
 	const Eigen::Matrix3d second = radiusSquare * Eigen::Matrix3d::Identity() - m_inertias[std::size_t( part )] / mass;
 	const double thinnest =
 		Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>().computeDirect( second, Eigen::EigenvaluesOnly ).eigenvalues()[0];
-	return m_soundSquare * thinnest > radiusSquare * radiusSquare;
+	return m_soundSquare * ( thinnest + m_cellMoment ) > radiusSquare * radiusSquare;
 }
 
 // What bends in flight rotates otherwise in every part of it.

@@ -83,9 +83,10 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 		float* const to = m_pushed.data() + k * padded;
 		std::transform( to, to + padded, velocity[k]->begin(), to, std::plus<>() );
 	}
+	const double cellArea = double( m_lattice->cellSize ) * double( m_lattice->cellSize );
 	m_implicit->begin( static_cast<LatticeMatcher&>( *m_matcher ), m_nodes, m_pushed.data(),
 		ImplicitStep{ h, alpha, m_material.damping, numericalDamping(), m_material.volumeKeeping,
-			regionSecondMoment( m_material ) * double( m_lattice->cellSize ) * double( m_lattice->cellSize ) },
+			regionSecondMoment( m_material ) * cellArea, cellArea / 12.0 },
 		m_pull, runner );
 	if ( m_pull.isOn() )
 	{

@@ -73,6 +73,7 @@ void ImplicitMotion::begin(
 	raiseInertias( least, [&]( double mass ) { return least( mass ) / 3.0; } );
 	keepFreeMomentum();
 	m_secondMoment = step.secondMoment;
+	m_cellMoment = step.cellMoment;
 	measureArms();
 
 	const int padded = nodes.padded;

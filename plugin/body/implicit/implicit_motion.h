@@ -45,6 +45,7 @@ struct ImplicitStep
 	float numericalDamping = 1.0f; ///< sigma
 	float volumeKeeping = 0.0f;    ///< kappa
 	double secondMoment = 0.0;     ///< of a full region, per axis and mass, m^2
+	double cellMoment = 0.0;       ///< of a cell of the lattice, per axis and mass, m^2
 };
 
 /// How a connected part turns within an implicit substep.
@@ -148,6 +149,7 @@ private:
 	AlignedArray<float> m_rightSide;
 	AlignedArray<float> m_arms;  ///< of the nodes relative to their part's mass centre, m, component by component; 0 where pinned
 	double m_secondMoment = 0.0; ///< of a full region, per axis and mass, m^2
+	double m_cellMoment = 0.0;   ///< of a cell, per axis and mass, m^2
 	float m_stiffness = 0.0f;    ///< G = gamma alpha ( 1 + kappa |m| ) + h c
 	float m_gamma = 1.0f;        ///< ( 1 + sigma ) / 2
 	float m_volume = 0.0f;       ///< kappa gamma alpha / G
