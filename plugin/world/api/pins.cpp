@@ -173,7 +173,11 @@ void SoftBodySystem::drivePins( SoftBody& body, btScalar h, int substep )
 		btVector3 velocity( 0, 0, 0 );
 		if ( pin.kind == PinKind::FollowsBody )
 		{
-			velocity = pin.body->getVelocityInLocalPoint( pin.body->getWorldTransform().getBasis() * pin.point );
+			// A kinematic body is where it will be at the end of the substep, and Bullet gives it no angular velocity below 5e-4 rad a
+			// step.
+			velocity = pin.body->isKinematicObject()
+				? ( pin.body->getWorldTransform() * pin.point - impl.position( pin.node ) ) / h
+				: pin.body->getVelocityInLocalPoint( pin.body->getWorldTransform().getBasis() * pin.point );
 		}
 		if ( pin.kind == PinKind::Driven && pin.hasTarget )
 		{
