@@ -107,6 +107,8 @@ inline constexpr float kFarthestMove = 1.25f;
 
 /// A list is sparse where it has fewer than one in this many of all items: it is then faster to visit it than all of them.
 inline constexpr std::size_t kSparseFraction = 32;
+/// Vertices of a patch from which on its table of vertices is made small again: clearing a table costs as much as its largest content.
+inline constexpr std::size_t kLargePatch = 1024;
 /// Smaller shifts of a unit normal are rounding errors and are ignored.
 inline constexpr float kSeenShift = 1e-6f;
 

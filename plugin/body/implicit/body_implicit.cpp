@@ -86,7 +86,7 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 	const double cellArea = double( m_lattice->cellSize ) * double( m_lattice->cellSize );
 	m_implicit->begin( static_cast<LatticeMatcher&>( *m_matcher ), m_nodes, m_pushed.data(),
 		ImplicitStep{ h, alpha, m_material.damping, numericalDamping(), m_material.volumeKeeping,
-			regionSecondMoment( m_material ) * cellArea, cellArea / 12.0 },
+			regionSecondMoment( m_material ) * cellArea, kSolidCellMoment * cellArea },
 		m_pull, runner );
 	if ( m_pull.isOn() )
 	{

@@ -1,12 +1,12 @@
 #include "surface/crack_state/crack_patches.h"
 
+#include "lattice/union_find.h"
 #include "surface/constants.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <iterator>
-#include <numeric>
 #include <unordered_map>
 #include <utility>
 
@@ -100,19 +100,20 @@ void CrackPatches::findDivided()
 	{
 		isDrawn[point] = 1;
 	}
-	std::vector<std::uint32_t> first; // by cell of the point: the first of the cells that are joined to it
+	UnionFind joined( pointOfSlot.size() );
 	for ( std::uint32_t point = 0; point < std::uint32_t( isDrawn.size() ); ++point )
 	{
-		first.resize( complex->cellsOfPoint.size( point ) );
-		std::iota( first.begin(), first.end(), 0u );
-		std::size_t groups = first.size();
+		const std::uint32_t first = complex->cellsOfPoint.start[point], last = complex->cellsOfPoint.start[point + 1];
 		for ( std::uint32_t t = slotTieStart[point]; t < slotTieStart[point + 1]; ++t )
 		{
-			const std::uint32_t a = first[slotTie[t].a], b = first[slotTie[t].b];
-			groups -= a != b ? 1 : 0;
-			std::replace( first.begin(), first.end(), std::max( a, b ), std::min( a, b ) );
+			joined.join( first + slotTie[t].a, first + slotTie[t].b );
 		}
-		groups > 1 && isDrawn[point] ? dividedPoints.push_back( point ) : void();
+		bool isDivided = false;
+		for ( std::uint32_t slot = first; slot < last; ++slot )
+		{
+			isDivided = isDivided || joined.find( slot ) != first;
+		}
+		isDivided&& isDrawn[point] ? dividedPoints.push_back( point ) : void();
 	}
 }
 
@@ -121,7 +122,9 @@ void CrackPatches::addPatches( const float* texture )
 	std::unordered_map<std::uint64_t, std::uint32_t> known; // by slot and kind: vertices of the current patch
 	const auto begin = [&] {
 		patch.push_back( { std::uint32_t( vertex.size() ), std::uint32_t( triangle.size() ) } );
-		known = {}; // clearing it would cost as much as its largest patch
+		const bool wasLarge = known.size() > kLargePatch;
+		known.clear();
+		wasLarge ? known.rehash( 0 ) : void();
 	};
 	const auto numberOf = [&]( std::uint32_t point, std::uint32_t cell, std::uint32_t kind ) {
 		const std::uint32_t slot = slotOf( point, cell );

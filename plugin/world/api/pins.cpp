@@ -173,8 +173,7 @@ void SoftBodySystem::drivePins( SoftBody& body, btScalar h, int substep )
 		btVector3 velocity( 0, 0, 0 );
 		if ( pin.kind == PinKind::FollowsBody )
 		{
-			// A kinematic body is where it will be at the end of the substep, and Bullet gives it no angular velocity below 5e-4 rad a
-			// step.
+			// Kinematic bodies are already where the substep ends. Below 5e-4 rad a step Bullet gives them no angular velocity.
 			velocity = pin.body->isKinematicObject()
 				? ( pin.body->getWorldTransform() * pin.point - impl.position( pin.node ) ) / h
 				: pin.body->getVelocityInLocalPoint( pin.body->getWorldTransform().getBasis() * pin.point );
