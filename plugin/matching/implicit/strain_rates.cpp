@@ -46,6 +46,10 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 	{
 		m_view.frameRotation[k] = float( frame( k / 3, k % 3 ) );
 	}
+	if ( stiffness >= kLeastFramedStiffness && !m_parts->areSeveral() )
+	{
+		measureDisplacements( frame );
+	}
 	const bool hasOwnFractions = !tables.rateFraction.empty();
 	m_rates.regionFraction = hasOwnFractions ? tables.rateFraction.data() : m_view.regionWeight;
 	m_rates.pull = hasOwnFractions ? tables.ratePull.data() : m_view.pull;
@@ -97,6 +101,25 @@ void StrainRates::centreFrames( const NodeState& nodes )
 	for ( AlignedArray<float>& component : m_inverseInertias )
 	{
 		component.resize( std::size_t( m_padded ) );
+	}
+}
+
+/// p - R x0 of each node, R the body's frame. In double: in float R x0 is rounded by more than the nodes of a stiff body are displaced.
+void StrainRates::measureDisplacements( const Eigen::Matrix3d& frame )
+{
+	const Eigen::Matrix3d turn = double( m_view.cellsPerMetre ) * frame;
+	m_displacements.resize( 3 * std::size_t( m_padded ) );
+	for ( int k = 0; k < 3; ++k )
+	{
+		float* const to = m_displacements.data() + k * m_padded;
+		for ( int i = 0; i < m_padded; ++i )
+		{
+			const float p = ( m_view.x[k][i] - m_view.frameCentre[k] ) * m_view.cellsPerMetre; // placeOf
+			to[i] = float( double( p ) -
+				( turn( k, 0 ) * double( m_view.x0[0][i] ) + turn( k, 1 ) * double( m_view.x0[1][i] ) +
+					turn( k, 2 ) * double( m_view.x0[2][i] ) ) );
+		}
+		m_rates.displacement[k] = to;
 	}
 }
 

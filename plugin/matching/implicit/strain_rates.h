@@ -96,6 +96,7 @@ private:
 	// For a body in several parts.
 	void centreParts( const NodeState& nodes );
 	void centreFrames( const NodeState& nodes );
+	void measureDisplacements( const Eigen::Matrix3d& frame );
 	void removeRigidMotion( const float* const* from, float* const* to ) const;
 	void resistByPart( const float* v, float* to, TaskRunner* runner );
 
@@ -119,6 +120,7 @@ private:
 	std::vector<WholePart> m_wholes; ///< of each part
 	// Of a body in several parts: positions relative to each part's centre, m; v without each part's rigid motion.
 	AlignedArray<float> m_positions, m_strained;
+	AlignedArray<float> m_displacements; ///< of the nodes from the rest shape in the body's frame, cells; stale for soft bodies
 };
 
 } // namespace pliant

@@ -37,7 +37,15 @@ inline void clearRows( Tile& tile, int from )
 	__builtin_memset( tile.row[from], 0, sizeof( tile.row[0] ) * std::size_t( kRecordFloats - from ) );
 }
 
-/// Writes a p and a p p^T of each node.
+// With the body's rest shape turned into its frame, g = R x0, and the displacement e = p - g, a region's second moment is
+//
+//   S = sum a ( p - c )( p - c )^T = R J R^T + Y - M ( g' e'^T + e' g'^T + e' e'^T ),   Y = sum a ( g e^T + e g^T + e e^T )
+//
+// with the region's means g', e', and the moment J of its rest shape. The terms that cancel are as small as e: from the positions
+// themselves, in float, those about the body's centre would leave 4e-5 of S in a body of twenty cells, and G times that is an energy.
+// Soft bodies need no such accuracy, and bodies of several parts have no common frame: for these g = 0, e = p.
+
+/// Writes a e and a ( g e^T + e g^T + e e^T ) of each node.
 void inertiaRecords( const RateView& rates, int begin, int end )
 {
 	const MatchView& view = *rates.match;
@@ -50,8 +58,15 @@ void inertiaRecords( const RateView& rates, int begin, int end )
 		{
 			const V a = load( view.nodeWeight + i );
 			const Vec p = placeOf( view, i );
-			const V ap[3] = { a * p.x, a * p.y, a * p.z };
-			const V row[9] = { ap[0], ap[1], ap[2], ap[0] * p.x, ap[1] * p.y, ap[2] * p.z, ap[1] * p.z, ap[0] * p.z, ap[0] * p.y };
+			V e[3] = { p.x, p.y, p.z };
+			for ( int k = 0; k < 3 && rates.displacement[0]; ++k )
+			{
+				e[k] = load( rates.displacement[k] + i );
+			}
+			const Vec g = { p.x - e[0], p.y - e[1], p.z - e[2] };
+			const V ae[3] = { a * e[0], a * e[1], a * e[2] };
+			const V row[9] = { ae[0], ae[1], ae[2], ae[0] * ( g.x + p.x ), ae[1] * ( g.y + p.y ), ae[2] * ( g.z + p.z ),
+				ae[2] * g.y + ae[1] * p.z, ae[2] * g.x + ae[0] * p.z, ae[1] * g.x + ae[0] * p.y };
 			for ( int k = 0; k < 9; ++k )
 			{
 				store( &tile.row[k][i - first], row[k] );
@@ -150,6 +165,29 @@ inline bool raiseTaut( const RateView& rates, int r, const V ( &s )[6], V ( &t )
 	return any( isTaut );
 }
 
+inline V sizeOf( V a )
+{
+	return atLeast( a, -a );
+}
+
+/// Adds R J R^T of a region.
+inline void addTurnedMoment( const MatchView& view, int r, V ( &s )[6] )
+{
+	const Mat rest = loadSymmetric( view.moment, r );
+	Vec row[3]; // of J R^T
+	for ( int k = 0; k < 3; ++k )
+	{
+		row[k] = fromFrame( view, { rest.m[k][0], rest.m[k][1], rest.m[k][2] } );
+	}
+	const Vec x = fromFrame( view, { row[0].x, row[1].x, row[2].x } ), y = fromFrame( view, { row[0].y, row[1].y, row[2].y } ),
+			  z = fromFrame( view, { row[0].z, row[1].z, row[2].z } );
+	const V turned[6] = { x.x, y.y, z.z, y.z, x.z, x.y };
+	for ( int k = 0; k < 6; ++k )
+	{
+		s[k] = s[k] + turned[k];
+	}
+}
+
 /// Computes each region's centre c and T^-1, T = sum a ( |p - c|^2 1 - ( p - c )( p - c )^T ). Returns whether any was thin or taut, and
 /// raised.
 bool regionInertias( const RateView& rates, int begin, int end )
@@ -166,14 +204,23 @@ bool regionInertias( const RateView& rates, int begin, int end )
 			const int at = r - first;
 			const V inverseMass = load( view.inverseMass + r );
 			const V sum[3] = { load( &tile.row[0][at] ), load( &tile.row[1][at] ), load( &tile.row[2][at] ) };
-			const V c[3] = { sum[0] * inverseMass, sum[1] * inverseMass, sum[2] * inverseMass };
-			const V s[6] = { load( &tile.row[3][at] ) - sum[0] * c[0], load( &tile.row[4][at] ) - sum[1] * c[1],
-				load( &tile.row[5][at] ) - sum[2] * c[2], load( &tile.row[6][at] ) - sum[1] * c[2],
-				load( &tile.row[7][at] ) - sum[0] * c[2], load( &tile.row[8][at] ) - sum[0] * c[1] };
+			const bool isFramed = rates.displacement[0] != nullptr;
+			const Vec g = isFramed
+				? fromFrame( view, { load( view.centre[0] + r ), load( view.centre[1] + r ), load( view.centre[2] + r ) } )
+				: Vec{};
+			const V c[3] = { g.x + sum[0] * inverseMass, g.y + sum[1] * inverseMass, g.z + sum[2] * inverseMass };
+			const V shift[6] = { sum[0] * ( g.x + c[0] ), sum[1] * ( g.y + c[1] ), sum[2] * ( g.z + c[2] ), sum[2] * g.y + sum[1] * c[2],
+				sum[2] * g.x + sum[0] * c[2], sum[1] * g.x + sum[0] * c[1] };
+			V s[6];
+			for ( int k = 0; k < 6; ++k )
+			{
+				s[k] = load( &tile.row[3 + k][at] ) - shift[k];
+			}
+			isFramed ? addTurnedMoment( view, r, s ) : void();
 			V t[6] = { s[1] + s[2], s[0] + s[2], s[0] + s[1], -s[3], -s[4], -s[5] };
 			const V third = ( ( t[0] + t[1] ) + t[2] ) * ( 1.0f / 3.0f );
 			const V roundingError = kInertiaRounding *
-				( ( load( &tile.row[3][at] ) + load( &tile.row[4][at] ) ) + load( &tile.row[5][at] ) );
+				( ( sizeOf( load( &tile.row[3][at] ) ) + sizeOf( load( &tile.row[4][at] ) ) ) + sizeOf( load( &tile.row[5][at] ) ) );
 			const I thin = determinant( t ) <= third * third * ( kThinInertia * third + kSafeInertia * roundingError );
 			const V raised = select( thin, kThinRaise * third + kPointInertia + roundingError, V{} );
 			isRaised = isRaised || any( thin & ( third > 0.0f ) ); // padding has no inertia

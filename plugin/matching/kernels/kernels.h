@@ -132,7 +132,9 @@ struct RateView
 	float* result[3] = {};
 	float stiffness = 0.0f;  ///< G
 	float tautMoment = 0.0f; ///< regions whose second moment has grown by this factor resist rotation; 0: none
-	float shift[3] = {};     ///< a rigid motion removed from v before summing
+	/// Of the nodes from the rest shape in the body's frame, cells; null for soft bodies and those of several parts.
+	const float* displacement[3] = {};
+	float shift[3] = {}; ///< a rigid motion removed from v before summing
 	float turn[3] = {};
 };
 
