@@ -56,6 +56,19 @@ TEST( Motion, SumsEqualTheReferenceImplementation )
 	}
 }
 
+// Three nodes of a piece at rest were reported to spin by 94 rad/s: their inertia about their line is next to nothing.
+TEST( Motion, NearlyCollinearNodesHardlySpinAboutTheirLine )
+{
+	const auto body = test::makeBlock( 3, 1, 1, 0.1f );
+	body->nodes().x.set( 1, body->nodes().x.get( 1 ) + Vec3( 0, 0.001f, 0 ) );
+	body->nodes().v.set( 1, Vec3( 0, 0, 0.1f ) );
+	EXPECT_LT( body->angularVelocity().norm(), 1.0 ); // .1 m/s a cell; 100 rad/s of a rigid body with these nodes
+	body->nodes().v.set( 0, Vec3( 0, -0.2f, 0 ) );
+	body->nodes().v.set( 1, Vec3( 0, 0, 0 ) );
+	body->nodes().v.set( 2, Vec3( 0, 0.2f, 0 ) );
+	EXPECT_NEAR( body->angularVelocity().z(), 2.0, 0.01 );
+}
+
 TEST( Motion, ForcesAreAddedNodeByNodeAndTheirSpeedsSpanned )
 {
 	const auto body = makeMoving( 2 );
