@@ -57,7 +57,7 @@ TEST( Weld, AcrossTheBordersOfBuckets )
 	EXPECT_GT( weld( shaken, 1e-6f ).mesh.position.size(), 2 * sphere.vertexCount() );
 }
 
-TEST( Weld, MatchesTheSlowTwin )
+TEST( Weld, MatchesTheReference )
 {
 	Mesh mesh;
 	std::uint32_t state = 3;

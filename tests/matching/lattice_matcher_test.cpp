@@ -89,10 +89,10 @@ struct Setting
 	RotationFrom rotationFrom;
 };
 
-class SlowTwin : public testing::TestWithParam<Setting>
+class AgainstReference : public testing::TestWithParam<Setting>
 {};
 
-TEST_P( SlowTwin, AgreesOverTenSubsteps )
+TEST_P( AgainstReference, AgreesOverTenSubsteps )
 {
 	Material material = test::explicitMaterial();
 	material.regionHalfWidth = GetParam().halfWidth;
@@ -127,7 +127,7 @@ TEST_P( SlowTwin, AgreesOverTenSubsteps )
 	}
 }
 
-INSTANTIATE_TEST_SUITE_P( Settings, SlowTwin,
+INSTANTIATE_TEST_SUITE_P( Settings, AgainstReference,
 	testing::Values( Setting{ 1, 0.0f, Weights::Conserving, RotationFrom::Apq }, Setting{ 2, 0.0f, Weights::Conserving, RotationFrom::Apq },
 		Setting{ 3, 0.0f, Weights::Conserving, RotationFrom::Apq }, Setting{ 1, 0.6f, Weights::Conserving, RotationFrom::Apq },
 		Setting{ 1, 0.0f, Weights::Literal, RotationFrom::Apq }, Setting{ 2, 0.0f, Weights::Literal, RotationFrom::F },

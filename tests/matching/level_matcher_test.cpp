@@ -90,7 +90,7 @@ void move( NodeState& nodes, float h )
 	}
 }
 
-TEST_P( LevelMatcher, AgreesWithItsSlowTwin )
+TEST_P( LevelMatcher, AgreesWithItsReference )
 {
 	// Damping leaves a net rotation, which the kernels remove and the reference implementation does not: with damping they agree less
 	// closely.
@@ -119,7 +119,7 @@ TEST_P( LevelMatcher, AgreesWithItsSlowTwin )
 	}
 }
 
-TEST_P( LevelMatcher, FlowsLikeItsSlowTwin )
+TEST_P( LevelMatcher, FlowsLikeItsReference )
 {
 	material.yieldStrain = 0.05f;
 	LatticeMatcher fast( lattice, material, tables );

@@ -67,7 +67,7 @@ struct Case
 class Plasticity : public testing::TestWithParam<Case>
 {};
 
-TEST_P( Plasticity, AgreesWithTheSlowTwin )
+TEST_P( Plasticity, AgreesWithTheReference )
 {
 	const Lattice lattice = makeBlockLattice( 8, 6, GetParam().thickness, 0.1f );
 	Material material = flowing( 0.05f );

@@ -33,7 +33,7 @@ TEST( Volume, SettingsOutOfRangeAreRefused )
 	EXPECT_FALSE( check( stiff ).ok() );
 }
 
-TEST( Volume, AgreesWithTheSlowTwin )
+TEST( Volume, AgreesWithTheReference )
 {
 	for ( const Summation summation : { Summation::Table, Summation::BoxSums } )
 	{

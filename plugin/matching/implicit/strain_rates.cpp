@@ -114,7 +114,7 @@ void StrainRates::measureDisplacements( const Eigen::Matrix3d& frame )
 		float* const to = m_displacements.data() + k * m_padded;
 		for ( int i = 0; i < m_padded; ++i )
 		{
-			const float p = ( m_view.x[k][i] - m_view.frameCentre[k] ) * m_view.cellsPerMetre; // placeOf
+			const float p = ( m_view.x[k][i] - m_view.frameCentre[k] ) * m_view.cellsPerMetre; // positionOf
 			to[i] = float( double( p ) -
 				( turn( k, 0 ) * double( m_view.x0[0][i] ) + turn( k, 1 ) * double( m_view.x0[1][i] ) +
 					turn( k, 2 ) * double( m_view.x0[2][i] ) ) );

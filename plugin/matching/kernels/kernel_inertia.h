@@ -17,7 +17,7 @@ constexpr float kSafeInertia = 50.0f;
 /// region that resists too much is only damped more.
 constexpr float kTautRaise = 2.0f;
 
-inline Vec placeOf( const MatchView& view, int i )
+inline Vec positionOf( const MatchView& view, int i )
 {
 	const V perMetre = splat( view.cellsPerMetre );
 	return { ( load( view.x[0] + i ) - view.frameCentre[0] ) * perMetre, ( load( view.x[1] + i ) - view.frameCentre[1] ) * perMetre,
@@ -57,7 +57,7 @@ void inertiaRecords( const RateView& rates, int begin, int end )
 		for ( int i = first; i < last; i += kWidth )
 		{
 			const V a = load( view.nodeWeight + i );
-			const Vec p = placeOf( view, i );
+			const Vec p = positionOf( view, i );
 			V e[3] = { p.x, p.y, p.z };
 			for ( int k = 0; k < 3 && rates.displacement[0]; ++k )
 			{

@@ -63,7 +63,7 @@ void rateSums( const RateView& rates, const float* const* velocity, int begin, i
 		const int sub = i % kVirtualLanes;
 		const V m = load( view.mass + i );
 		const Vec mv = { m * load( velocity[0] + i ), m * load( velocity[1] + i ), m * load( velocity[2] + i ) };
-		const Vec spin = cross( placeOf( view, i ), mv );
+		const Vec spin = cross( positionOf( view, i ), mv );
 		const V value[kRateSums] = { mv.x, mv.y, mv.z, spin.x, spin.y, spin.z };
 		for ( int k = 0; k < kRateSums; ++k )
 		{
@@ -84,7 +84,7 @@ void rateRecords( const RateView& rates, int begin, int end )
 		const int last = first + kTile < end ? first + kTile : end;
 		for ( int i = first; i < last; i += kWidth )
 		{
-			const Vec p = placeOf( view, i ), v = strainingRate( rates, p, i );
+			const Vec p = positionOf( view, i ), v = strainingRate( rates, p, i );
 			const V a = load( view.nodeWeight + i );
 			const Vec av = { a * v.x, a * v.y, a * v.z };
 			const Vec spin = cross( p, av );
@@ -232,7 +232,7 @@ inline void resistAll( const RateView& rates, int begin, int end )
 		for ( int i = first; i < last; i += kWidth )
 		{
 			const int at = i - first;
-			const Vec p = placeOf( view, i ), v = strainingRate( rates, p, i );
+			const Vec p = positionOf( view, i ), v = strainingRate( rates, p, i );
 			const V cover = load( view.inverseCover + i ), pull = rates.pull ? load( rates.pull + i ) : splat( 1.0f );
 			V carried[3];
 			carriedAt( rates, tile, i, at, p, carried );
@@ -263,7 +263,7 @@ void finishResist( const RateView& rates, int begin, int end )
 	const MatchView& view = *rates.match;
 	for ( int i = begin; i < end; i += kWidth )
 	{
-		const Vec turn = cross( { splat( rates.turn[0] ), splat( rates.turn[1] ), splat( rates.turn[2] ) }, placeOf( view, i ) );
+		const Vec turn = cross( { splat( rates.turn[0] ), splat( rates.turn[1] ), splat( rates.turn[2] ) }, positionOf( view, i ) );
 		const V turned[3] = { turn.x, turn.y, turn.z };
 		const V mass = load( view.mass + i ) * load( view.freedom + i );
 		for ( int k = 0; k < 3; ++k )

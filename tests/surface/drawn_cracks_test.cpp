@@ -181,7 +181,7 @@ INSTANTIATE_TEST_SUITE_P( Solids, Cracks, testing::Combine( testing::ValuesIn( c
 	[]( const auto& it ) { return std::string( std::get<0>( it.param ).name ) + ( std::get<1>( it.param ) > 0.0f ? "Noisy" : "Flat" ); } );
 
 /// A piece of a box broken along a plane: every edge of its surface is used once in each direction.
-TEST( CrackSurface, HalvesAreManifolds )
+TEST( DrawnCracks, HalvesAreManifolds )
 {
 	for ( const float noise : { 0.0f, 0.3f } )
 	{
@@ -201,7 +201,7 @@ TEST( CrackSurface, HalvesAreManifolds )
 }
 
 /// No vertex of a side follows a cell that the crack separates, once the crack is complete.
-TEST( CrackSurface, SidesLetGoOfEachOther )
+TEST( DrawnCracks, SidesLetGoOfEachOther )
 {
 	for ( const Skinning kind : { Skinning::NearbyNodes, Skinning::Trilinear } )
 	{
@@ -231,7 +231,7 @@ TEST( CrackSurface, SidesLetGoOfEachOther )
 }
 
 /// A body that is drawn from its own links is drawn as one whose breaking was followed, to the bit.
-TEST( CrackSurface, MadeFromItsOwnFacesItIsTheSame )
+TEST( DrawnCracks, MadeFromItsOwnFacesItIsTheSame )
 {
 	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy() );
 	const auto pieces = shatter( it.lattice(), 4, 2 );
@@ -256,7 +256,7 @@ TEST( CrackSurface, MadeFromItsOwnFacesItIsTheSame )
 }
 
 /// A crack through half of the body: at its tip no vertex is doubled, behind it all are.
-TEST( CrackSurface, TipsStayJoined )
+TEST( DrawnCracks, TipsStayJoined )
 {
 	const CrackCase it( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), 0.25, noisy( 0.0f ) );
 	DrawnCracks surface( it.complex );
@@ -300,7 +300,7 @@ TEST( CrackSurface, TipsStayJoined )
 	EXPECT_EQ( rowsAt( { 0.25, 0.0, 0.25 } ), 1u ); // beside it
 }
 
-TEST( CrackSurface, TextureCoordinatesRunThroughCutsOfTheSurface )
+TEST( DrawnCracks, TextureCoordinatesRunThroughCutsOfTheSurface )
 {
 	CrackSettings settings = noisy();
 	settings.textureTile = 0.5f;
