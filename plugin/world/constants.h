@@ -384,4 +384,9 @@ inline constexpr double kLeastResponse = 1e-5;
 /// mm beside its place, with 40 a thousandth of that.
 inline constexpr int kFrameIterations = 40;
 
+/// The largest alpha of the implicit step of bodies that neither break nor flow. Rounding changes the operator by some 1e-7 alpha of the
+/// masses, on levels, where regions are less regular, by more: dice of glass on the floor flew off, and at 1e5 two of eight stacks of
+/// concrete boxes on two levels fell over.
+inline constexpr float kMostImplicitAlpha = 1e6f, kMostLevelAlpha = 3e4f;
+
 } // namespace pliant

@@ -1,5 +1,6 @@
 #include "world/block/implicit_choice.h"
 
+#include "matching/constants.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/step/object_motion.h"
@@ -224,6 +225,20 @@ void ImplicitChoice::choose( const std::vector<SoftBody*>& bodies, btDiscreteDyn
 		ElasticityState& state = body->impl().elasticity;
 		const bool isInOne = std::find( islands.begin(), islands.end(), body->getIslandTag() ) != islands.end();
 		state.isImplicit = isInOne || state.needsImplicit || ( state.isImplicit && state.calmTime < kCalmTime );
+	}
+}
+
+// Bodies that break or flow at a strain keep their modulus, so that they do so under the load that it says.
+void limitStiffness( const SoftBody& body, int substeps, StiffnessPlan& plan )
+{
+	const float most = body.adaptivity().coarseLevels > 0 ? kMostLevelAlpha : kMostImplicitAlpha;
+	if ( plan.alpha > most && body.fracture().rule == BreakRule::Never && body.material().yieldStrain == 0.0f )
+	{
+		const double excess = double( plan.alpha ) / double( most );
+		plan.substepsNeeded = int( std::clamp( std::ceil( std::sqrt( excess ) * substeps ), 1.0, double( kMostSubstepsNamed ) ) );
+		plan.reachedModulus = float( double( plan.reachedModulus ) / excess );
+		plan.alpha = most;
+		plan.reachable = false;
 	}
 }
 

@@ -12,6 +12,7 @@ class btDiscreteDynamicsWorld;
 namespace pliant {
 
 class SoftBody;
+struct StiffnessPlan;
 
 class ImplicitChoice
 {
@@ -68,6 +69,9 @@ struct ImplicitStepPlan
 /// Divides a game step of `gameStep`, s, where it would not resolve a landing, a body that rolls, or vibrations that the material keeps
 /// (Material::numericalDamping below 1), all in at most `usual` parts; where the body's shape changes much; and where the step is long.
 ImplicitStepPlan planImplicitStep( const SoftBody& body, double gameStep, int usual );
+
+/// Limits the alpha of an implicit body that neither breaks nor flows to what floats resolve. `substeps`: those of `plan`.
+void limitStiffness( const SoftBody& body, int substeps, StiffnessPlan& plan );
 
 /// Returns the fraction of restitution that acts on an implicit body against a heavy object in a step of `h`, s, [0, 1]: none where the
 /// step resolves the impact, from which the body rebounds by its own elasticity.

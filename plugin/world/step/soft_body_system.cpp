@@ -112,7 +112,9 @@ StiffnessPlan SoftBodySystem::planOf( const SoftBody& body, btScalar gameStep, i
 {
 	Material material = body.material();
 	material.elasticity = stepsImplicitly( body ) || isImplicitRigidPiece( body ) ? Elasticity::Implicit : Elasticity::Explicit;
-	return planStiffness( material, body.bodyTemplate().cellSize(), float( gameStep ), count );
+	StiffnessPlan plan = planStiffness( material, body.bodyTemplate().cellSize(), float( gameStep ), count );
+	stepsImplicitly( body ) ? limitStiffness( body, count, plan ) : void();
+	return plan;
 }
 
 TaskRunner* SoftBodySystem::tasks() const
