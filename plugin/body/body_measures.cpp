@@ -45,12 +45,12 @@ Eigen::Matrix3d Body::inertiaAbout( const Vec3d& point ) const
 	return second.trace() * Eigen::Matrix3d::Identity() - second;
 }
 
-// At least a cell's own inertia about any axis: without, three nodes at rest that were nearly in line had 94 rad/s about it.
+// Without a least inertia about any axis three nodes at rest that were nearly in line had 94 rad/s about it.
 Vec3d Body::angularVelocity() const
 {
 	const BodySums whole = sums();
 	const Eigen::Matrix3d inertia = inertiaAbout( whole.centre );
-	const double cell = double( m_lattice->cellSize ), least = kCellInertia * whole.mass * cell * cell;
+	const double cell = double( m_lattice->cellSize ), least = kLeastTurningInertia * whole.mass * cell * cell;
 	return flooredInverse( inertia, std::max( kInertiaFloor, least / ( 0.5 * inertia.trace() ) ) ) * whole.spin;
 }
 

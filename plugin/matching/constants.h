@@ -22,6 +22,9 @@ inline constexpr double kOpenRotationGap = 1e-7;
 inline constexpr double kInertiaFloor = 1e-6;
 /// Moment of inertia of a cell's sphere about its own centre, over its mass and the square of the cell size: ( 2 / 5 ) ( 1 / 2 )^2.
 inline constexpr double kCellInertia = 0.1;
+/// Least inertia of a body whose angular velocity is reported, over its mass and the square of the cell size: that of nodes a tenth of a
+/// cell from the axis.
+inline constexpr double kLeastTurningInertia = 0.01;
 /// A body that breaks is rigid up to this fraction of the strain at which its weakest link breaks.
 inline constexpr double kRigidBreakFraction = 0.8;
 /// Pinned nodes hold a body against rotation if they are spread by this many cells, root mean square, in two directions.

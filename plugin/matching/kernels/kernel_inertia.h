@@ -165,11 +165,6 @@ inline bool raiseTaut( const RateView& rates, int r, const V ( &s )[6], V ( &t )
 	return any( isTaut );
 }
 
-inline V sizeOf( V a )
-{
-	return atLeast( a, -a );
-}
-
 /// Adds R J R^T of a region.
 inline void addTurnedMoment( const MatchView& view, int r, V ( &s )[6] )
 {
@@ -219,8 +214,10 @@ bool regionInertias( const RateView& rates, int begin, int end )
 			isFramed ? addTurnedMoment( view, r, s ) : void();
 			V t[6] = { s[1] + s[2], s[0] + s[2], s[0] + s[1], -s[3], -s[4], -s[5] };
 			const V third = ( ( t[0] + t[1] ) + t[2] ) * ( 1.0f / 3.0f );
-			const V roundingError = kInertiaRounding *
-				( ( sizeOf( load( &tile.row[3][at] ) ) + sizeOf( load( &tile.row[4][at] ) ) ) + sizeOf( load( &tile.row[5][at] ) ) );
+			// Of the positions' moment in both cases: displacements may be large, and cancel in Y.
+			const V whole = isFramed ? ( ( s[0] + s[1] ) + s[2] ) + ( ( c[0] * c[0] + c[1] * c[1] ) + c[2] * c[2] ) / inverseMass
+									 : ( load( &tile.row[3][at] ) + load( &tile.row[4][at] ) ) + load( &tile.row[5][at] );
+			const V roundingError = kInertiaRounding * whole;
 			const I thin = determinant( t ) <= third * third * ( kThinInertia * third + kSafeInertia * roundingError );
 			const V raised = select( thin, kThinRaise * third + kPointInertia + roundingError, V{} );
 			isRaised = isRaised || any( thin & ( third > 0.0f ) ); // padding has no inertia

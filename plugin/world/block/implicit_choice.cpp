@@ -1,6 +1,5 @@
 #include "world/block/implicit_choice.h"
 
-#include "matching/constants.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/step/object_motion.h"
@@ -228,15 +227,15 @@ void ImplicitChoice::choose( const std::vector<SoftBody*>& bodies, btDiscreteDyn
 	}
 }
 
-// Bodies that break or flow at a strain keep their modulus, so that they do so under the load that it says.
+// Bodies that break or flow at a strain keep their modulus, so that they do so under the load that it says; pinned ones, which may be
+// slender and cannot fly off, so that they do not sag. The modulus that is left must not depend on the substeps of a landing.
 void limitStiffness( const SoftBody& body, int substeps, StiffnessPlan& plan )
 {
-	const float most = body.adaptivity().coarseLevels > 0 ? kMostLevelAlpha : kMostImplicitAlpha;
-	if ( plan.alpha > most && body.fracture().rule == BreakRule::Never && body.material().yieldStrain == 0.0f )
+	const float most = ( body.adaptivity().coarseLevels > 0 ? kMostLevelAlpha : kMostImplicitAlpha ) / float( substeps * substeps );
+	const bool mayLose = body.fracture().rule == BreakRule::Never && body.material().yieldStrain == 0.0f && body.impl().pins.empty();
+	if ( plan.alpha > most && mayLose )
 	{
-		const double excess = double( plan.alpha ) / double( most );
-		plan.substepsNeeded = int( std::clamp( std::ceil( std::sqrt( excess ) * substeps ), 1.0, double( kMostSubstepsNamed ) ) );
-		plan.reachedModulus = float( double( plan.reachedModulus ) / excess );
+		plan.reachedModulus *= most / plan.alpha;
 		plan.alpha = most;
 		plan.reachable = false;
 	}

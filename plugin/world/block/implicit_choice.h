@@ -70,7 +70,8 @@ struct ImplicitStepPlan
 /// (Material::numericalDamping below 1), all in at most `usual` parts; where the body's shape changes much; and where the step is long.
 ImplicitStepPlan planImplicitStep( const SoftBody& body, double gameStep, int usual );
 
-/// Limits the alpha of an implicit body that neither breaks nor flows to what floats resolve. `substeps`: those of `plan`.
+/// Limits the alpha of a free implicit body that neither breaks nor flows to what floats resolve in a whole game step. `substeps`: those of
+/// `plan`.
 void limitStiffness( const SoftBody& body, int substeps, StiffnessPlan& plan );
 
 /// Returns the fraction of restitution that acts on an implicit body against a heavy object in a step of `h`, s, [0, 1]: none where the

@@ -101,6 +101,18 @@ bool isBetweenPinned( const btPersistentManifold& manifold )
 	return isPinned( manifold.getBody0() ) && isPinned( manifold.getBody1() );
 }
 
+/// Lets contacts of bodies in their rigid state last while these move by `fall`, m. A hull finds one contact a step: a body on one that
+/// loses the others falls onto its other side, and so through the floor.
+void keepContacts( btDispatcher& dispatcher, btScalar fall )
+{
+	forEachManifold( dispatcher, [fall]( btPersistentManifold& manifold ) {
+		if ( ownerOfRigidProxy( manifold.getBody0() ) || ownerOfRigidProxy( manifold.getBody1() ) )
+		{
+			manifold.setContactBreakingThreshold( btMax( manifold.getContactBreakingThreshold(), fall ) );
+		}
+	} );
+}
+
 /// Calls visit( point, least ) for the contact points of bodies in their rigid state. `least`: the solver sees no distance below this, m,
 /// of which it corrects a fraction in a step.
 template <class Visit>
@@ -289,6 +301,8 @@ void SoftBodySystem::showRigidProxies( btDispatcher& dispatcher )
 			SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( side ) );
 			return soft ? static_cast<const btCollisionObject*>( soft->impl().rigidProxy.get() ) : nullptr;
 		} );
+		const btScalar h = m_world.getSolverInfo().m_timeStep;
+		keepContacts( dispatcher, kLastingFall * m_world.getGravity().length() * h * h );
 		forRigidContacts( dispatcher, m_world.getSolverInfo(),
 			[]( btManifoldPoint& point, btScalar least ) { point.m_distance1 = btMax( point.m_distance1, least ); } );
 	}

@@ -15,6 +15,8 @@ inline constexpr int kLeastHullNodes = 12, kMostHulls = 32;
 /// Contacts of hulls last at least until they have separated or slid by this fraction of the hulls' margin, but not beyond kLongestLasting,
 /// m: a body at rest falls 2.7 mm in a step of 1/60 s before its contacts hold it.
 inline constexpr btScalar kLastingContact = btScalar( 0.5 ), kLongestLasting = btScalar( 0.004 );
+/// And in any case by this multiple of the fall from rest in a step, g h^2: at 1/30 s stacks of boxes fell through the floor.
+inline constexpr btScalar kLastingFall = btScalar( 2 );
 /// Radius of the area in which hulls touch, in radii of a body's smallest node sphere.
 inline constexpr btScalar kContactArea = btScalar( 0.5 );
 /// A body that touches something rotates by at most this angle in a step, rad: an eighth of a turn, as for Bullet's rigid bodies.

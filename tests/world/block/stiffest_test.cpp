@@ -52,8 +52,8 @@ TEST( Stiffest, DiceAndStacksOfUnbreakableBodiesStandAndAreReported )
 	}
 }
 
-// What breaks does so at the load that its modulus says.
-TEST( Stiffest, BodiesThatBreakKeepTheirModulus )
+// What breaks does so at the load that its modulus says, and what is pinned does not sag.
+TEST( Stiffest, BodiesThatBreakOrArePinnedKeepTheirModulus )
 {
 	test::SoftWorld world;
 	Material material;
@@ -63,7 +63,10 @@ TEST( Stiffest, BodiesThatBreakKeepTheirModulus )
 	Fracture fracture;
 	fracture.rule = BreakRule::Plane;
 	EXPECT_TRUE( cube->setFracture( fracture ).ok() );
+	SoftBody* const bar = world.add( test::boxTemplate( { 2.0f, 0.1f, 0.1f }, 0.05f ), btVector3( 0, 3, 0 ), material );
+	EXPECT_TRUE( bar->pinNode( 0 ).ok() );
 	world.step( 1 );
+	EXPECT_EQ( bar->stiffnessPlan().reachedModulus, material.youngsModulus );
 	EXPECT_EQ( world.world.stepReport().unreachableStiffness, 0 );
 	EXPECT_EQ( cube->stiffnessPlan().reachedModulus, material.youngsModulus );
 }
