@@ -2,6 +2,7 @@
 
 #include "matching/clusters/cluster_matcher.h"
 #include "support/explicit_material.h"
+#include "support/kept_links.h"
 
 #include "matching/raised_inverse.h"
 #include "pliant/task_runner.h"
@@ -329,21 +330,7 @@ TEST( ClusterSet, BoxesOverlapByHalfAndEveryLinkLiesInOne )
 Lattice cutRow( int cells, int cut )
 {
 	Lattice lattice = makeBlockLattice( cells, 1, 1, 0.1f );
-	std::vector<std::uint32_t> start( 1, 0 ), to;
-	for ( int i = 0; i < cells; ++i )
-	{
-		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
-		{
-			const int j = int( lattice.linkTo[k] );
-			if ( std::min( i, j ) != cut )
-			{
-				to.push_back( lattice.linkTo[k] );
-			}
-		}
-		start.push_back( std::uint32_t( to.size() ) );
-	}
-	lattice.linkStart = start;
-	lattice.linkTo = to;
+	test::keepLinks( lattice, [cut]( std::uint32_t i, std::uint32_t j ) { return int( std::min( i, j ) ) != cut; } );
 	return lattice;
 }
 

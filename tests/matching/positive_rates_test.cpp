@@ -1,6 +1,7 @@
 // The implicit step's operator is positive, however stiff the body.
 
 #include "matching/strain_rates_case.h"
+#include "support/kept_links.h"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -55,22 +56,11 @@ Lattice barWithHangingCells()
 {
 	Lattice lattice = makeBlockLattice( 30, 4, 2, 0.1f );
 	const auto hangs = []( const auto& c ) { return c.z() == 0 && c.y() > 1 && c.x() + c.y() > 30; };
-	std::vector<std::uint32_t> start( 1, 0 ), to;
-	for ( int i = 0; i < lattice.cellCount(); ++i )
-	{
-		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
-		{
-			const auto a = lattice.coordinate[i], b = lattice.coordinate[lattice.linkTo[k]];
-			const bool isHinge = a.x() == 29 && b.x() == 29 && a.z() == 0 && b.z() == 0;
-			if ( hangs( a ) == hangs( b ) || isHinge )
-			{
-				to.push_back( lattice.linkTo[k] );
-			}
-		}
-		start.push_back( std::uint32_t( to.size() ) );
-	}
-	lattice.linkStart = start;
-	lattice.linkTo = to;
+	test::keepLinks( lattice, [&]( std::uint32_t i, std::uint32_t j ) {
+		const auto a = lattice.coordinate[i], b = lattice.coordinate[j];
+		const bool isHinge = a.x() == 29 && b.x() == 29 && a.z() == 0 && b.z() == 0;
+		return hangs( a ) == hangs( b ) || isHinge;
+	} );
 	return lattice;
 }
 

@@ -3,6 +3,7 @@
 #include "matching/constants.h"
 #include "matching/strain_rates_case.h"
 #include "pliant/task_runner.h"
+#include "support/kept_links.h"
 
 #include <gtest/gtest.h>
 
@@ -19,21 +20,10 @@ using test::RatesOperator;
 Lattice slitLattice()
 {
 	Lattice lattice = makeBlockLattice( 6, 5, 4, 0.1f );
-	std::vector<std::uint32_t> start( 1, 0 ), to;
-	for ( int i = 0; i < lattice.cellCount(); ++i )
-	{
-		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
-		{
-			const auto a = lattice.coordinate[i], b = lattice.coordinate[lattice.linkTo[k]];
-			if ( ( a.x() <= 2 ) == ( b.x() <= 2 ) || std::max( a.y(), b.y() ) < 2 )
-			{
-				to.push_back( lattice.linkTo[k] );
-			}
-		}
-		start.push_back( std::uint32_t( to.size() ) );
-	}
-	lattice.linkStart = start;
-	lattice.linkTo = to;
+	test::keepLinks( lattice, [&]( std::uint32_t i, std::uint32_t j ) {
+		const auto a = lattice.coordinate[i], b = lattice.coordinate[j];
+		return ( a.x() <= 2 ) == ( b.x() <= 2 ) || std::max( a.y(), b.y() ) < 2;
+	} );
 	return lattice;
 }
 

@@ -63,7 +63,7 @@ struct Material
 	/// Young's modulus, Pa, finite. 0, the default: defaultYoungsModulus of the body, so that bodies of any size carry ten times their own
 	/// mass; SoftBody::material returns the value, and fragments keep it. The explicit step reaches it up to a limit that grows with the
 	/// number of substeps and with regionHalfWidth; beyond it the stiffest stable setting is used and the body is reported (StiffnessPlan,
-	/// StepReport::unreachableStiffness). So are bodies that neither break nor flow in the implicit step, beyond an alpha of 1e6, with
+	/// StepReport::unreachableStiffness). So are free bodies that neither break nor flow in the implicit step, beyond an alpha of 1e6, with
 	/// levels of 3e4: floats do not resolve more. Not used by Method::SingleCluster, whose stiffness is `alpha`.
 	float youngsModulus = 0.0f;
 

@@ -101,33 +101,16 @@ bool isBetweenPinned( const btPersistentManifold& manifold )
 	return isPinned( manifold.getBody0() ) && isPinned( manifold.getBody1() );
 }
 
-/// Lets contacts of bodies in their rigid state last while these move by `fall`, m. A hull finds one contact a step: a body on one that
-/// loses the others falls onto its other side, and so through the floor.
-void keepContacts( btDispatcher& dispatcher, btScalar fall )
-{
-	forEachManifold( dispatcher, [fall]( btPersistentManifold& manifold ) {
-		if ( ownerOfRigidProxy( manifold.getBody0() ) || ownerOfRigidProxy( manifold.getBody1() ) )
-		{
-			manifold.setContactBreakingThreshold( btMax( manifold.getContactBreakingThreshold(), fall ) );
-		}
-	} );
-}
-
-/// Calls visit( point, least ) for the contact points of bodies in their rigid state. `least`: the solver sees no distance below this, m,
-/// of which it corrects a fraction in a step.
+/// Calls visit( manifold, least ) for the manifolds of bodies in their rigid state. `least`: the solver sees no distance below this, m, of
+/// which it corrects a fraction in a step.
 template <class Visit>
-void forRigidContacts( btDispatcher& dispatcher, const btContactSolverInfo& info, Visit&& visit )
+void forRigidManifolds( btDispatcher& dispatcher, const btContactSolverInfo& info, Visit&& visit )
 {
 	const btScalar deepest = kRigidParting * info.m_timeStep / btMax( info.m_erp2, kLeastCorrection );
 	forEachManifold( dispatcher, [&visit, deepest]( btPersistentManifold& manifold ) {
-		if ( !ownerOfRigidProxy( manifold.getBody0() ) && !ownerOfRigidProxy( manifold.getBody1() ) )
+		if ( ownerOfRigidProxy( manifold.getBody0() ) || ownerOfRigidProxy( manifold.getBody1() ) )
 		{
-			return;
-		}
-		const btScalar least = isBetweenPinned( manifold ) ? btScalar( 0 ) : -deepest;
-		for ( int k = 0; k < manifold.getNumContacts(); ++k )
-		{
-			visit( manifold.getContactPoint( k ), least );
+			visit( manifold, isBetweenPinned( manifold ) ? btScalar( 0 ) : -deepest );
 		}
 	} );
 }
@@ -301,10 +284,17 @@ void SoftBodySystem::showRigidProxies( btDispatcher& dispatcher )
 			SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( side ) );
 			return soft ? static_cast<const btCollisionObject*>( soft->impl().rigidProxy.get() ) : nullptr;
 		} );
-		const btScalar h = m_world.getSolverInfo().m_timeStep;
-		keepContacts( dispatcher, kLastingFall * m_world.getGravity().length() * h * h );
-		forRigidContacts( dispatcher, m_world.getSolverInfo(),
-			[]( btManifoldPoint& point, btScalar least ) { point.m_distance1 = btMax( point.m_distance1, least ); } );
+		// A hull finds one contact a step: a body on one that loses the others falls onto its other side, and so through the floor.
+		const btContactSolverInfo& info = m_world.getSolverInfo();
+		const btScalar lasting = kLastingFall * m_world.getGravity().length() * info.m_timeStep * info.m_timeStep;
+		forRigidManifolds( dispatcher, info, [lasting]( btPersistentManifold& manifold, btScalar least ) {
+			manifold.setContactBreakingThreshold( btMax( manifold.getContactBreakingThreshold(), lasting ) );
+			for ( int k = 0; k < manifold.getNumContacts(); ++k )
+			{
+				btManifoldPoint& point = manifold.getContactPoint( k );
+				point.m_distance1 = btMax( point.m_distance1, least );
+			}
+		} );
 	}
 }
 
@@ -345,10 +335,13 @@ void SoftBodySystem::hideRigidProxies( btDispatcher& dispatcher )
 	{
 		return;
 	}
-	forRigidContacts( dispatcher, m_world.getSolverInfo(), []( btManifoldPoint& point, btScalar least ) {
-		if ( point.m_distance1 == least )
+	forRigidManifolds( dispatcher, m_world.getSolverInfo(), []( btPersistentManifold& manifold, btScalar least ) {
+		for ( int k = 0; k < manifold.getNumContacts(); ++k )
 		{
-			point.m_distance1 = ( point.m_positionWorldOnA - point.m_positionWorldOnB ).dot( point.m_normalWorldOnB );
+			btManifoldPoint& point = manifold.getContactPoint( k );
+			const bool isRaised = point.m_distance1 == least;
+			point.m_distance1 = isRaised ? ( point.m_positionWorldOnA - point.m_positionWorldOnB ).dot( point.m_normalWorldOnB )
+										 : point.m_distance1;
 		}
 	} );
 	brakeRigidProxies( dispatcher );

@@ -1,7 +1,6 @@
 // Bodies so stiff that floats hardly resolve their operator.
 
-#include "support/shapes.h"
-#include "support/test_world.h"
+#include "support/soft_stack.h"
 
 #include <gtest/gtest.h>
 
@@ -31,13 +30,8 @@ TEST( Stiffest, DiceAndStacksOfUnbreakableBodiesStandAndAreReported )
 		material.density = stack.density;
 		Adaptivity adaptivity;
 		adaptivity.coarseLevels = stack.levels;
-		const auto shape = test::boxTemplate( { stack.edge, stack.height, stack.edge }, stack.cell );
-		std::vector<SoftBody*> boxes;
-		for ( int k = 0; k < stack.boxes; ++k )
-		{
-			const btVector3 centre( 0, btScalar( stack.height ) * ( btScalar( k ) + btScalar( 0.5 ) ), 0 );
-			boxes.push_back( world.add( shape, centre, material, btQuaternion::getIdentity(), adaptivity ) );
-		}
+		const std::vector<SoftBody*> boxes = test::addStack(
+			world, stack.boxes, stack.edge, stack.height, stack.cell, material, adaptivity );
 		double fastest = 0.0;
 		for ( int frame = 0; frame < 240; ++frame )
 		{

@@ -1,7 +1,6 @@
 // Bodies in their rigid state in a world that steps by 1/30 s.
 
-#include "support/shapes.h"
-#include "support/test_world.h"
+#include "support/soft_stack.h"
 
 #include <gtest/gtest.h>
 
@@ -30,13 +29,7 @@ TEST( RigidLongSteps, StacksStayAboveTheFloor )
 		material.youngsModulus = stack.youngsModulus;
 		material.density = stack.density;
 		material.rigidStrain = stack.rigidStrain;
-		const auto shape = test::boxTemplate( { stack.edge, stack.height, stack.edge }, 0.05f );
-		std::vector<SoftBody*> boxes;
-		for ( int k = 0; k < stack.boxes; ++k )
-		{
-			boxes.push_back(
-				world.add( shape, btVector3( 0, btScalar( stack.height ) * ( btScalar( k ) + btScalar( 0.5 ) ), 0 ), material ) );
-		}
+		const std::vector<SoftBody*> boxes = test::addStack( world, stack.boxes, stack.edge, stack.height, 0.05f, material );
 		double lowest = 1.0;
 		for ( int frame = 0; frame < 6 * stack.rate; ++frame )
 		{
