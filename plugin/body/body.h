@@ -278,6 +278,8 @@ public:
 	BodySums sums() const;
 	/// The inertia of all nodes as mass points about a point relative to `NodeState::origin`, kg m^2.
 	Eigen::Matrix3d inertiaAbout( const Vec3d& point ) const;
+	/// The inverse of that about the mass centre, with a least inertia about any axis; zero for nodes in one point.
+	Eigen::Matrix3d inverseInertia( const BodySums& whole ) const;
 	/// The spin over the inertia of all nodes as mass points, rad/s; zero about an axis on which all nodes lie.
 	Vec3d angularVelocity() const;
 	/// The same for another spin about the mass centre, kg m^2/s.

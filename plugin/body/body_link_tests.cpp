@@ -10,6 +10,8 @@
 #include "fracture/shards/shard_cracks.h"
 #include "matching/rotation.h"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 
@@ -67,6 +69,12 @@ private:
 	bool m_isChanged;
 };
 
+/// The symmetric factor of a matrix.
+Eigen::Matrix3f shrinkingOf( const Eigen::Matrix3f& unturned )
+{
+	return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>( unturned.transpose() * unturned ).operatorSqrt();
+}
+
 /// The first thin cell under a node of the octree; null where there is none.
 const ThinCell* thinIn( ShardCracks& shards, const Octree& octree, std::uint32_t node )
 {
@@ -98,6 +106,11 @@ void Body::noteCoarseOverloads()
 	for ( std::size_t k = 0; k < coarse.size(); ++k )
 	{
 		Eigen::Matrix3f gradient = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( gradients.data() + 9 * k );
+		// F was measured before the step, where the tangents of the last one had stretched the part by as much as this one's do.
+		if ( const std::vector<Eigen::Matrix3f>& unturned = m_breaking->unturned; !unturned.empty() )
+		{
+			gradient = shrinkingOf( unturned[std::size_t( m_implicit->parts().partOf( int( coarse[k] ) ) )] ) * gradient;
+		}
 		const std::uint32_t node = above[coarse[k]], middle = octree.cellStart[node] + std::uint32_t( octree.cellCount[node] ) / 2;
 		// F of a node in one layer has the normal of the layer before the step: across it, it is no strain.
 		if ( const ThinCell* const thin = thinIn( *m_breaking->shards, octree, node ) )

@@ -45,21 +45,35 @@ Eigen::Matrix3d Body::inertiaAbout( const Vec3d& point ) const
 	return second.trace() * Eigen::Matrix3d::Identity() - second;
 }
 
-// Without a least inertia about any axis three nodes at rest that were nearly in line had 94 rad/s about it.
+// Without a least inertia about any axis three nodes at rest that were nearly in line had 94 rad/s about it. Nodes in one point have none.
+Eigen::Matrix3d Body::inverseInertia( const BodySums& whole ) const
+{
+	const Eigen::Matrix3d inertia = inertiaAbout( whole.centre );
+	if ( !( inertia.trace() > 0.0 ) )
+	{
+		return Eigen::Matrix3d::Zero();
+	}
+	const double cell = double( m_lattice->cellSize ), least = kLeastTurningInertia * whole.mass * cell * cell;
+	return flooredInverse( inertia, std::max( kInertiaFloor, least / ( 0.5 * inertia.trace() ) ) );
+}
+
 Vec3d Body::angularVelocity() const
 {
 	const BodySums whole = sums();
-	const Eigen::Matrix3d inertia = inertiaAbout( whole.centre );
-	const double cell = double( m_lattice->cellSize ), least = kLeastTurningInertia * whole.mass * cell * cell;
-	return flooredInverse( inertia, std::max( kInertiaFloor, least / ( 0.5 * inertia.trace() ) ) ) * whole.spin;
+	return inverseInertia( whole ) * whole.spin;
+}
+
+Vec3d Body::angularVelocityOf( const Vec3d& spin ) const
+{
+	return inverseInertia( sums() ) * spin;
 }
 
 // w^2 L / g of the angular velocity w across `up`, of which 2 v / d is a bound: v the root mean square of the nodes' velocities, d the cell
 // size. A rotation about `up`, as on a turntable, changes no strain of a body that lies on something.
 double Body::turnFreedom( const Vec3d& up ) const
 {
-	const double bound = 4.0 * m_motion.squareSpeed / m_motion.mass / ( double( m_lattice->cellSize ) * m_lattice->cellSize );
-	if ( !( bound * m_restLength / kStandardGravity > kRockingTurn ) || !m_isOnePart || m_nodes.hasHeldNodes() )
+	const double cell = double( m_lattice->cellSize ), least = kRockingTurn * kStandardGravity * m_motion.mass * cell * cell;
+	if ( !( 4.0 * m_motion.squareSpeed * m_restLength > least ) || !m_isOnePart || m_nodes.hasHeldNodes() )
 	{
 		return 0.0;
 	}
@@ -71,12 +85,6 @@ double turnFreedom( const Vec3d& turn, const Vec3d& up, double length )
 	const double measure = ( turn - turn.dot( up ) * up ).squaredNorm() * length / kStandardGravity;
 	const double above = std::clamp( ( measure - kRockingTurn ) / ( kFreeTurn - kRockingTurn ), 0.0, 1.0 );
 	return above * above * ( 3.0 - 2.0 * above ); // smooth at both ends
-}
-
-Vec3d Body::angularVelocityOf( const Vec3d& spin ) const
-{
-	const BodySums whole = sums();
-	return inverseOfPart( inertiaAbout( whole.centre ), whole.mass ) * spin;
 }
 
 // | ( v_j - v_i ) . e | / l,   e the direction from node i to node j, l their distance at rest

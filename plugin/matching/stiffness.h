@@ -42,11 +42,12 @@ inline float largestVolumeResponse( double alpha, double kappa )
 }
 
 /// Region damping factor of a substep, k = 1 - exp( - damping h ), limited to what is stable with `alpha`. A mode whose response factor is
-/// lambda <= 1 + 3 kappa is stable below lambda ( alpha + 2 k ) = 4; and in a region compressed to a half, whose rotation responds with
-/// twice the torque, an unlimited k would drive the motion instead of damping it.
+/// lambda <= 1 + 9 kappa, of a crushed region, is stable below lambda ( alpha + 2 k ) = 4; and in a region compressed to a half, whose
+/// rotation responds with twice the torque, an unlimited k would drive the motion instead of damping it.
 inline float dampingFraction( double damping, double h, double alpha, double kappa )
 {
-	const double k = 1.0 - std::exp( -damping * h ), margin = 0.5 * ( kLargestDampedResponse / ( 1.0 + 3.0 * kappa ) - alpha );
+	const double k = 1.0 - std::exp( -damping * h ),
+				 margin = 0.5 * ( kLargestDampedResponse / ( 1.0 + kCompressedResponse * kappa ) - alpha );
 	return float( std::max( 0.0, std::min( { k, kLargestDampingFraction, margin } ) ) );
 }
 

@@ -294,6 +294,8 @@ inline constexpr double kLockedJointMobility = 1e-4;
 /// Largest number of rigid bodies that joints connect with one that has an attachment: their mobility is a dense matrix. The bodies of
 /// larger groups count as bodies without joints.
 inline constexpr std::size_t kMostJoined = 32;
+/// A contact hits a body on joints that approaches by this fraction of its radius of gyration in the substep.
+inline constexpr double kHitTravel = 0.05;
 /// Relative regularisation of the joints' equations, which are redundant for two hinges of one door.
 inline constexpr double kJointRounding = 1e-6;
 /// Rounds in which the rows of joints that are at their limits are found: stops and motors need two or three.

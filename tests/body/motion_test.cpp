@@ -69,6 +69,16 @@ TEST( Motion, NearlyCollinearNodesHardlySpinAboutTheirLine )
 	EXPECT_NEAR( body->angularVelocity().z(), 2.0, 0.01 );
 }
 
+// A body of one cell has no inertia: the least one about its axes was divided by it.
+TEST( Motion, OneNodeDoesNotSpin )
+{
+	const auto body = test::makeBlock( 1, 1, 1, 0.1f );
+	body->nodes().v.set( 0, Vec3( 1, 2, 3 ) );
+	EXPECT_TRUE( body->inverseInertia( body->sums() ).isZero( 0.0 ) );
+	EXPECT_TRUE( body->angularVelocity().isZero( 0.0 ) );
+	EXPECT_TRUE( body->angularVelocityOf( Vec3d( 1, 2, 3 ) ).isZero( 0.0 ) );
+}
+
 TEST( Motion, ForcesAreAddedNodeByNodeAndTheirSpeedsSpanned )
 {
 	const auto body = makeMoving( 2 );

@@ -60,6 +60,19 @@ TEST( PlasticEnergy, CornersOfTheSettings )
 	}
 }
 
+// Of four hundred corners these gained energy: a shaken cube .03 of it, whose vibrations after the blow were not damped; and a dropped one
+// a thousand times it, crushed by its weight, with more damping than is stable there.
+TEST( PlasticEnergy, ShakenAndCrushedCubesGainNone )
+{
+	for ( const unsigned seed : { 39u, 340u } )
+	{
+		const test::PlasticScene scene = test::plasticScene( seed );
+		const test::PlasticEnergy energy = test::run( scene, 4 );
+		EXPECT_TRUE( energy.isHealthy ) << seed;
+		EXPECT_LT( energy.most, test::mostFraction( scene ) * energy.brought ) << seed;
+	}
+}
+
 // An elastic cube at the largest stable alpha, with volume keeping and full wobble damping, gained two thousand times the energy of its
 // fall at its first touch: the two together were beyond the limit of the explicit step (largestWobbleFraction).
 TEST( PlasticEnergy, WobbleDampingIsStableBesideVolumeKeeping )

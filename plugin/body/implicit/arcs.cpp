@@ -21,7 +21,7 @@ namespace pliant {
 bool ImplicitMotion::isCrossedBySound( int part ) const
 {
 	const double mass = m_rates.whole( part ).mass, radiusSquare = 0.5 * trace( part ) / mass;
-	if ( isHeld( part ) || !hasShape( part ) || m_soundSquare <= kArcTravel * kArcTravel * radiusSquare )
+	if ( !hasShape( part ) || m_soundSquare <= kArcTravel * kArcTravel * radiusSquare )
 	{
 		return false;
 	}
@@ -50,18 +50,62 @@ Eigen::Matrix3d ImplicitMotion::turned( const Eigen::Vector3d& spin, double h, i
 	return freeRotation( solver.eigenvalues(), Eigen::Quaterniond( axes ), spin, h ).toRotationMatrix();
 }
 
+bool ImplicitMotion::isDrawn( int part ) const
+{
+	bool isAny = false;
+	m_pull ? parts().forNodes( part, m_nodes->count, [&]( int i ) { isAny = isAny || gainOf( i ) > 0.0f; } ) : void();
+	return isAny;
+}
+
+ImplicitMotion::Pins ImplicitMotion::pinsOf( int part ) const
+{
+	Pins pins;
+	parts().forNodes( part, m_nodes->count, [&]( int i ) {
+		const double own = m_nodes->freedom[i] == 0.0f ? 1.0 : 0.0;
+		pins.middle += own * m_nodes->x.get( i ).cast<double>();
+		pins.velocity += own * m_nodes->v.get( i ).cast<double>();
+		pins.count += own;
+	} );
+	pins.middle /= pins.count;
+	pins.velocity /= pins.count;
+	return pins;
+}
+
+// Pins on a line let a part rotate about it, by h w. Others take it along: those on a kinematic body go along chords, from which the
+// solution takes sin( h w ) for the angle. What does not rotate with its pins bends.
+std::optional<Eigen::Matrix3d> ImplicitMotion::turnedByPins( int part, const Pins& pins, const Eigen::Vector3d& turn, double h ) const
+{
+	const double angle = turn.norm();
+	const Eigen::Vector3d axis = turn / angle;
+	double along = 0.0, across = 0.0;
+	parts().forNodes( part, m_nodes->count, [&]( int i ) {
+		const double own = m_nodes->freedom[i] == 0.0f ? 1.0 : 0.0;
+		const Eigen::Vector3d arm = m_nodes->x.get( i ).cast<double>() - pins.middle, lever = arm - arm.dot( axis ) * axis;
+		const Eigen::Vector3d moved = lever + h * ( m_nodes->v.get( i ).cast<double>() - pins.velocity );
+		along += own * lever.dot( moved );
+		across += own * axis.cross( lever ).dot( moved );
+	} );
+	if ( std::hypot( along, across ) < kLeastPinnedMoment * pins.count * m_secondMoment )
+	{
+		return rotationBy( turn ).toRotationMatrix();
+	}
+	const double pinned = std::atan2( across, along );
+	return std::abs( pinned - angle ) > kTurnsWithPins * angle ? std::nullopt
+															   : std::optional( rotationBy( pinned * axis ).toRotationMatrix() );
+}
+
 // x += h v stretches what rotates by ( h w )^2 / 2 in each step, whatever its stiffness. With the rotation R by h w the nodes go on to
 //
 //   x + h v + B r,   B = R - 1 - [ h w ]x
 //
-// r relative to the mass centre.
+// r relative to the mass centre, or to the middle of the pinned nodes, which go where their pins do.
 void ImplicitMotion::bendToArcs( double h )
 {
 	NodeState& nodes = *m_nodes;
 	m_arcs.clear();
 	for ( int p = 0; p < parts().count(); ++p )
 	{
-		if ( !isCrossedBySound( p ) )
+		if ( !isCrossedBySound( p ) || isDrawn( p ) )
 		{
 			continue;
 		}
@@ -71,13 +115,20 @@ void ImplicitMotion::bendToArcs( double h )
 		{
 			continue;
 		}
-		const Eigen::Matrix3d rotation = turned( whole.tail<3>(), h, p );
-		const Eigen::Matrix3d bend = rotation - Eigen::Matrix3d::Identity() - crossMatrix( turn );
+		const std::optional<Pins> pins = isHeld( p ) ? std::optional( pinsOf( p ) ) : std::nullopt;
+		const std::optional<Eigen::Matrix3d> rotation = pins ? turnedByPins( p, *pins, turn, h ) : turned( whole.tail<3>(), h, p );
+		if ( !rotation )
+		{
+			continue;
+		}
+		const Eigen::Matrix3d bend = *rotation - Eigen::Matrix3d::Identity() - crossMatrix( turn );
+		const Eigen::Vector3d pivot = pins ? pins->middle : centre( p );
 		parts().forNodes( p, nodes.count, [&]( int i ) {
 			const Eigen::Vector3d x = nodes.x.get( i ).cast<double>();
-			nodes.x.set( i, Eigen::Vector3d( x + bend * ( x - centre( p ) ) ).cast<float>() );
+			nodes.x.set( i, Eigen::Vector3d( x + double( nodes.freedom[i] ) * ( bend * ( x - pivot ) ) ).cast<float>() );
 		} );
-		m_arcs.push_back( Arc{ p, rotation, motion.head<3>(), whole.tail<3>() } );
+		pins ? m_arcs.push_back( Arc{ p, *rotation, pins->velocity, std::nullopt } )
+			 : m_arcs.push_back( Arc{ p, *rotation, motion.head<3>(), whole.tail<3>() } );
 	}
 }
 
@@ -87,33 +138,45 @@ std::optional<Eigen::Matrix3d> ImplicitMotion::arcOf( int part ) const
 	return found == m_arcs.end() ? std::nullopt : std::optional( found->rotation );
 }
 
+// The angular velocity about the mass centre by which a part lacks some of its spin L once its velocities have turned:
+//
+//   dw = I^-1 ( L - sum m r x R ( v - V ) )
+Eigen::Vector3d ImplicitMotion::missingTurn( const Arc& arc, const Eigen::Vector3d& middle ) const
+{
+	const NodeState& nodes = *m_nodes;
+	Eigen::Vector3d missing = *arc.spin;
+	Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+	parts().forNodes( arc.part, nodes.count, [&]( int i ) {
+		const Eigen::Vector3d arm = nodes.x.get( i ).cast<double>() - middle;
+		inertia += double( nodes.mass[i] ) * ( arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose() );
+		missing -= double( nodes.mass[i] ) * arm.cross( arc.rotation * ( nodes.v.get( i ).cast<double>() - arc.velocity ) );
+	} );
+	return flooredInverse( inertia, kInertiaFloor ) * missing;
+}
+
 // Velocities turn with the positions:
 //
-//   v = V + R ( v - V ) + dw x r,   dw = I^-1 ( L - sum m r x R ( v - V ) )
+//   v = V + R ( v - V ) + dw x r
 //
-// so that momentum and angular momentum L stay as they were.
+// with V of the mass centre and dw so that momentum and angular momentum of a free part stay as they were; with V of the pins' middle and
+// dw = 0 for a part with pins, which take what turns its momentum.
 void ImplicitMotion::turnVelocities()
 {
 	NodeState& nodes = *m_nodes;
 	for ( const Arc& arc : m_arcs )
 	{
 		const double mass = m_rates.whole( arc.part ).mass;
-		Eigen::Vector3d middle = Eigen::Vector3d::Zero(), missing = arc.spin;
+		Eigen::Vector3d middle = Eigen::Vector3d::Zero();
 		parts().forNodes(
 			arc.part, nodes.count, [&]( int i ) { middle += double( nodes.mass[i] ) / mass * nodes.x.get( i ).cast<double>(); } );
-		const auto armOf = [&]( int i ) { return Eigen::Vector3d( nodes.x.get( i ).cast<double>() - middle ); };
-		const auto turnedVelocity = [&]( int i ) {
-			return Eigen::Vector3d( arc.rotation * ( nodes.v.get( i ).cast<double>() - arc.velocity ) );
-		};
-		Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+		const Eigen::Vector3d added = arc.spin ? missingTurn( arc, middle ) : Eigen::Vector3d( Eigen::Vector3d::Zero() );
 		parts().forNodes( arc.part, nodes.count, [&]( int i ) {
-			const Eigen::Vector3d arm = armOf( i );
-			inertia += double( nodes.mass[i] ) * ( arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose() );
-			missing -= double( nodes.mass[i] ) * arm.cross( turnedVelocity( i ) );
-		} );
-		const Eigen::Vector3d added = flooredInverse( inertia, kInertiaFloor ) * missing;
-		parts().forNodes( arc.part, nodes.count, [&]( int i ) {
-			nodes.v.set( i, Eigen::Vector3d( arc.velocity + turnedVelocity( i ) + added.cross( armOf( i ) ) ).cast<float>() );
+			const Eigen::Vector3d turned = arc.rotation * ( nodes.v.get( i ).cast<double>() - arc.velocity ),
+								  arm = nodes.x.get( i ).cast<double>() - middle;
+			if ( nodes.freedom[i] != 0.0f )
+			{
+				nodes.v.set( i, Eigen::Vector3d( arc.velocity + turned + added.cross( arm ) ).cast<float>() );
+			}
 		} );
 	}
 }

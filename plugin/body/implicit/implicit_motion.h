@@ -118,8 +118,8 @@ public:
 	void addMotion( const Vector6& motion, int part = 0 );
 	/// Adds rigid motions of the free parts to `velocity`, m/s, which then has the momentum and spin of `impulse`, N s.
 	void giveMomentum( const float* impulse, float* velocity ) const;
-	/// Of a body without contacts, before x += h v, which takes nodes along tangents: moves those of free parts that rotate as rigid ones
-	/// by the difference to arcs. `h`: s.
+	/// Of a body without contacts, before x += h v, which takes nodes along tangents: moves those of parts that rotate as rigid ones by the
+	/// difference to arcs. `h`: s.
 	void bendToArcs( double h );
 	/// After it: turns their velocities too.
 	void turnVelocities();
@@ -155,6 +155,14 @@ private:
 	float m_volume = 0.0f;       ///< kappa gamma alpha / G
 	double m_soundSquare = 0.0;  ///< square of the distance that sound travels in the substep, m^2
 	bool m_hasHeldNodes = false;
+	struct Pins
+	{
+		Eigen::Vector3d middle = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero(); ///< means of a part's pinned nodes
+		double count = 0.0;
+	};
+	Pins pinsOf( int part ) const;
+	std::optional<Eigen::Matrix3d> turnedByPins( int part, const Pins& pins, const Eigen::Vector3d& turn, double h ) const;
+	bool isDrawn( int part ) const; ///< some node of it
 	Eigen::Matrix3d turned( const Eigen::Vector3d& spin, double h, int part ) const;
 	bool isCrossedBySound( int part ) const;
 	/// `motion`: of `momentum`.
@@ -163,8 +171,10 @@ private:
 	{
 		int part;
 		Eigen::Matrix3d rotation;
-		Eigen::Vector3d velocity, spin; ///< of the mass centre, m/s; angular momentum about it, kg m^2/s
+		Eigen::Vector3d velocity;            ///< of the mass centre, or the middle of the pins, m/s
+		std::optional<Eigen::Vector3d> spin; ///< angular momentum about the mass centre, kg m^2/s; none of a part with pins
 	};
+	Eigen::Vector3d missingTurn( const Arc& arc, const Eigen::Vector3d& middle ) const;
 	std::vector<Arc> m_arcs;
 	std::vector<char> m_isHeld;              ///< of each part
 	std::vector<Vector6> m_freeMomentum;     ///< of each part with the velocities of free flight, v*

@@ -2,6 +2,7 @@
 
 #include "lattice/attempt.h"
 #include "matching/constants.h"
+#include "matching/rotation.h"
 #include "world/bodies/placing.h"
 #include "world/step/soft_body_system.h"
 
@@ -163,20 +164,58 @@ void SoftBodySystem::releaseLostPins( SoftBody& body, bool isAdded )
 	}
 }
 
+// Kinematic bodies are already where the substep ends. Below 5e-4 rad a step Bullet gives them no angular velocity. A rotation R by h w
+// takes the nodes along chords; the velocities less
+//
+//   B r / h,   B = R - 1 - [ h w ]x
+//
+// r relative to the nodes' middle, are those of a rigid motion, and do not strain what is on the pins.
+void SoftBodySystem::drivePinsOn( btRigidBody& holder, SoftBody& body, btScalar h )
+{
+	SoftBody::Impl& impl = body.impl();
+	NodeState& nodes = impl.body->nodes();
+	const Vec3d turn = double( h ) * toVec3d( holder.getAngularVelocity() );
+	const Eigen::Matrix3d bend = rotationBy( turn ).toRotationMatrix() - Eigen::Matrix3d::Identity() - crossMatrix( turn );
+	const auto isOn = [&holder]( const Pin& pin ) { return pin.kind == PinKind::FollowsBody && pin.body == &holder; };
+	Vec3d middle = Vec3d::Zero();
+	double count = 0.0;
+	for ( const Pin& pin : impl.pins )
+	{
+		const double own = isOn( pin ) ? 1.0 : 0.0;
+		middle += own * nodes.x.get( pin.node ).cast<double>();
+		count += own;
+	}
+	middle /= count;
+	for ( const Pin& pin : impl.pins )
+	{
+		if ( isOn( pin ) )
+		{
+			const Vec3d at = nodes.x.get( pin.node ).cast<double>(),
+						target = toVec3d( holder.getWorldTransform() * pin.point ) - nodes.origin;
+			nodes.v.set( pin.node, Vec3d( ( target - at - bend * ( at - middle ) ) / double( h ) ).cast<float>() );
+		}
+	}
+}
+
 // Gives each pinned node the velocity of its point of the rigid body, or the one that reaches its target by the end of the game step.
 void SoftBodySystem::drivePins( SoftBody& body, btScalar h, int substep )
 {
 	SoftBody::Impl& impl = body.impl();
 	NodeState& nodes = impl.body->nodes();
-	for ( const Pin& pin : impl.pins )
+	for ( std::size_t k = 0; k < impl.pins.size(); ++k )
 	{
+		const Pin& pin = impl.pins[k];
+		if ( pin.kind == PinKind::FollowsBody && pin.body->isKinematicObject() )
+		{
+			const bool isFirst = std::none_of(
+				impl.pins.begin(), impl.pins.begin() + std::ptrdiff_t( k ), [&pin]( const Pin& other ) { return other.body == pin.body; } );
+			isFirst ? drivePinsOn( *pin.body, body, h ) : void();
+			continue;
+		}
 		btVector3 velocity( 0, 0, 0 );
 		if ( pin.kind == PinKind::FollowsBody )
 		{
-			// Kinematic bodies are already where the substep ends. Below 5e-4 rad a step Bullet gives them no angular velocity.
-			velocity = pin.body->isKinematicObject()
-				? ( pin.body->getWorldTransform() * pin.point - impl.position( pin.node ) ) / h
-				: pin.body->getVelocityInLocalPoint( pin.body->getWorldTransform().getBasis() * pin.point );
+			velocity = pin.body->getVelocityInLocalPoint( pin.body->getWorldTransform().getBasis() * pin.point );
 		}
 		if ( pin.kind == PinKind::Driven && pin.hasTarget )
 		{

@@ -208,9 +208,9 @@ void BlockSolve::before( const Scene& scene, TaskRunner* runner )
 	for ( std::size_t k = 0; k < m_tagOf.size(); ++k )
 	{
 		m_moved.measureLinks( m_blocks[k] );
-		if ( !attachments.isEmpty() )
+		if ( scene.joints.size() > 0 )
 		{
-			m_moved.measureJointed( m_blocks[k], attachments, scene.joints, double( info.m_erp ) );
+			m_moved.measureJointed( m_blocks[k], attachments, scene.joints, m_h, double( info.m_erp ) );
 		}
 	}
 	m_outside.erase(

@@ -195,7 +195,7 @@ void IslandBlock::chooseStiffness()
 		{
 			const RigidPart* const part = side.rigid < 0 ? nullptr : &rigid[std::size_t( side.rigid )];
 			// A body on joints resists with more than its mass.
-			const bool isJointed = part && part->linked >= 0 && linked[std::size_t( part->linked )].joints;
+			const bool isJointed = contact.isAttachment() && part && part->linked >= 0 && linked[std::size_t( part->linked )].joints;
 			if ( part && !isJointed && !( hasNode && !contact.isDrawn && !contact.isAttachment() ) )
 			{
 				least = std::min( least, std::max( part->mass, load ) );

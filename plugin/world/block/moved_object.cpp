@@ -219,28 +219,53 @@ void MovedObjects::invertMobility( const IslandBlock& block, LinkedParts& whole 
 	whole.mass = ( 0.5 * ( whole.mass + whole.mass.transpose() ) ).eval();
 }
 
-void MovedObjects::measureJointed( IslandBlock& block, Attachments& attachments, const JointGroup::Joints& joints, double erp )
+namespace {
+
+/// Whether a contact is an impact on one of its objects, for which the joints' impulses of the steps before mean little.
+bool hits( const BlockContact& contact, const RigidPart& part, double h )
+{
+	const double approach = -contact.normal.dot( contact.velocityBefore );
+	return contact.isAttachment() ||
+		( approach > 0.0 && approach * approach * h * h * part.mass > kHitTravel * kHitTravel * 0.5 * part.inertia.trace() );
+}
+
+/// The impulse that a contact or an attachment probably has: that of the last substep, and for an approach the one that stops it.
+Vec3d expectedImpulse( const BlockContact& contact, const RigidPart& part, const Attachments& attachments, double h )
+{
+	return contact.isAttachment()
+		? Vec3d( h * attachments.find( contact.attachment )->lastForce )
+		: Vec3d( contact.impulse() + part.mass * std::max( 0.0, -contact.normal.dot( contact.velocityBefore ) ) * contact.normal );
+}
+
+} // namespace
+
+void MovedObjects::measureJointed(
+	IslandBlock& block, const Attachments& attachments, const JointGroup::Joints& joints, double h, double erp )
 {
 	std::vector<JointGroup::Load> loads;
-	std::vector<unsigned char> isJointed( block.rigid.size() );
-	double h = 0.0;
+	std::vector<unsigned char> isJointed( block.rigid.size() ), isHit( block.rigid.size() );
+	std::transform( block.rigid.begin(), block.rigid.end(), isJointed.begin(), [&]( const RigidPart& part ) {
+		const btRigidBody* const body = btRigidBody::upcast( part.object );
+		return body && JointGroup::isHeld( *body, joints ) ? 1 : 0;
+	} );
 	for ( const BlockContact& contact : block.contacts )
 	{
-		const int rigid = contact.isAttachment() ? contact.side[1].rigid : -1;
-		const btRigidBody* const body = rigid < 0 ? nullptr : btRigidBody::upcast( block.rigid[std::size_t( rigid )].object );
-		if ( body && JointGroup::isHeld( *body, joints ) )
+		for ( int k = 0; k < 2; ++k )
 		{
-			isJointed[std::size_t( rigid )] = 1;
-			h = contact.timeStep;
-			const Vec3d impulse = -h * attachments.find( contact.attachment )->lastForce;
-			JointGroup::Load load{ body, Vector6::Zero() };
-			load.impulse << impulse, contact.side[1].arm.cross( impulse );
-			loads.push_back( load );
+			const ContactSide& side = contact.side[k];
+			if ( side.rigid >= 0 && isJointed[std::size_t( side.rigid )] )
+			{
+				const RigidPart& part = block.rigid[std::size_t( side.rigid )];
+				const Vec3d impulse = ( k == 0 ? 1.0 : -1.0 ) * expectedImpulse( contact, part, attachments, h );
+				JointGroup::Load& load = loads.emplace_back( JointGroup::Load{ btRigidBody::upcast( part.object ), Vector6::Zero() } );
+				load.impulse << impulse, side.arm.cross( impulse );
+				isHit[std::size_t( side.rigid )] |= hits( contact, part, h ) ? 1 : 0;
+			}
 		}
 	}
 	for ( std::size_t p = 0; p < block.rigid.size(); ++p )
 	{
-		const auto made = isJointed[p] ? std::make_shared<JointGroup>() : nullptr;
+		const auto made = isHit[p] && isJointed[p] ? std::make_shared<JointGroup>() : nullptr;
 		if ( !made || !made->collect( *btRigidBody::upcast( block.rigid[p].object ), joints, loads, h, erp ) )
 		{
 			continue;

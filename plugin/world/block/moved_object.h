@@ -38,8 +38,8 @@ public:
 	void measureLinks( IslandBlock& block );
 	/// Sets a rigid body's velocity where its axes are free.
 	void move( const RigidPart& part, const Vector6& velocity );
-	/// Adds the rigid bodies on `joints` that have attachments to IslandBlock::linked.
-	void measureJointed( IslandBlock& block, Attachments& attachments, const JointGroup::Joints& joints, double erp );
+	/// Adds the rigid bodies on `joints` that are attached or hit to IslandBlock::linked, with all that joints connect with them.
+	void measureJointed( IslandBlock& block, const Attachments& attachments, const JointGroup::Joints& joints, double h, double erp );
 	/// Gives rigid bodies on joints, and the bodies that joints connect with them, the velocities of the block's solution.
 	static void moveJointed( const IslandBlock& block );
 	/// Gives multibodies the impulses that the block's solution has for their links.

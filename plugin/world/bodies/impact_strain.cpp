@@ -230,6 +230,10 @@ void SoftBodySystem::strainByImpact( const IslandBlock& block, int part, double 
 		other.assign( back.stopping.size(), 0.0f );
 		stored += hit.impl().isImplicit ? respondTo( hit, back.stopping, other ) : energyOfNodes( hit, back.stopping );
 	}
+	if ( !( stored > 0.0 ) )
+	{
+		return; // the impulses only move the body
+	}
 	const double square = body.impl().body->implicit()->gamma() * energy / stored;
 	if ( const double strained = kImpactWaves * std::sqrt( square ); strained > 1.0 && std::isfinite( strained ) ) // s
 	{

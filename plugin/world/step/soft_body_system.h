@@ -252,6 +252,7 @@ private:
 	void placeFrames();
 	void pressFrames( bool isOn );
 	void drivePins( SoftBody& body, btScalar h, int substep );
+	static void drivePinsOn( btRigidBody& holder, SoftBody& body, btScalar h ); ///< a kinematic one
 	void settlePins( SoftBody& body, btScalar h, int substep );
 	double leastWaking( const SoftBody& body, double gameStep ) const;
 	double leastLanding( const SoftBody& body, double gameStep, int usual ) const;
