@@ -106,7 +106,8 @@ void Body::noteCoarseOverloads()
 	for ( std::size_t k = 0; k < coarse.size(); ++k )
 	{
 		Eigen::Matrix3f gradient = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( gradients.data() + 9 * k );
-		// F was measured before the step, where the tangents of the last one had stretched the part by as much as this one's do.
+		// F was measured before the step, where the tangents of the last one had stretched the part: by as much as this one's do, unless
+		// the rotation has just begun.
 		if ( const std::vector<Eigen::Matrix3f>& unturned = m_breaking->unturned; !unturned.empty() )
 		{
 			gradient = shrinkingOf( unturned[std::size_t( m_implicit->parts().partOf( int( coarse[k] ) ) )] ) * gradient;

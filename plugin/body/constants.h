@@ -20,7 +20,7 @@ inline constexpr double kLeastArc = 0.005;
 inline constexpr double kArcTravel = 3.0;
 /// Pins whose mean square distance from the axis is a smaller fraction of a region's second moment lie on it; others have to turn with
 /// their part, up to this fraction of its turn.
-inline constexpr double kLeastPinnedMoment = 0.01, kTurnsWithPins = 0.1;
+inline constexpr double kLeastPinnedMoment = 0.01, kTurnsWithPins = 0.05;
 /// Free rotation is divided into parts of this turn about a principal axis, rad, at most so many: the energy then stays within a per cent.
 inline constexpr double kFreeTurnPart = 0.5;
 inline constexpr int kMostTurnParts = 32;

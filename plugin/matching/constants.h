@@ -57,9 +57,9 @@ inline constexpr float kLargestVolumeKeeping = 24.5f;
 inline constexpr double kLargestDampingFraction = 0.5;
 /// lambda ( alpha + 2 k ) stays below this; the explicit step is unstable from 4 on.
 inline constexpr double kLargestDampedResponse = 3.8;
-/// Response of a crushed region to deformation by volume conservation, in units of kappa (volumeStrain): with damping limited by the 3 of
-/// rest, crushed bodies with much damping gained energy.
-inline constexpr double kCompressedResponse = 9.0;
+/// Response to deformation by volume conservation at rest, and of a crushed region at most, in units of kappa (volumeStrain). With damping
+/// limited by that of rest alone, crushed bodies with much damping gained energy.
+inline constexpr double kRestResponse = 3.0, kCrushedResponse = 9.0;
 
 /// lambda ( alpha + 2 k ) + 2 f stays below this, f the wobble damping factor: a cube with alpha ( 1 + 3 kappa ) = 1.9 and f = 0.96 gained
 /// a thousand times the energy of its fall.

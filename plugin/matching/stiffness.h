@@ -42,12 +42,14 @@ inline float largestVolumeResponse( double alpha, double kappa )
 }
 
 /// Region damping factor of a substep, k = 1 - exp( - damping h ), limited to what is stable with `alpha`. A mode whose response factor is
-/// lambda <= 1 + 9 kappa, of a crushed region, is stable below lambda ( alpha + 2 k ) = 4; and in a region compressed to a half, whose
-/// rotation responds with twice the torque, an unlimited k would drive the motion instead of damping it.
+/// lambda is stable below lambda ( alpha + 2 k ) = 4; and in a region compressed to a half, whose rotation responds with twice the torque,
+/// an unlimited k would drive the motion instead of damping it. Volume conservation makes lambda 1 + 3 kappa at rest, and up to 1 + 9 kappa
+/// in a crushed region: soft bodies may be crushed, those of the largest alpha are not.
 inline float dampingFraction( double damping, double h, double alpha, double kappa )
 {
-	const double k = 1.0 - std::exp( -damping * h ),
-				 margin = 0.5 * ( kLargestDampedResponse / ( 1.0 + kCompressedResponse * kappa ) - alpha );
+	const double largest = std::min( double( kLargestAlpha ), kLargestVolumeAlpha / ( 1.0 + 3.0 * kappa ) );
+	const double response = kCrushedResponse + ( kRestResponse - kCrushedResponse ) * std::min( 1.0, alpha / largest );
+	const double k = 1.0 - std::exp( -damping * h ), margin = 0.5 * ( kLargestDampedResponse / ( 1.0 + response * kappa ) - alpha );
 	return float( std::max( 0.0, std::min( { k, kLargestDampingFraction, margin } ) ) );
 }
 

@@ -291,9 +291,11 @@ inline constexpr double kLockedLinkMobility = 1e-3;
 
 /// The same for a rigid body on Bullet's joints, which may be a hundred times lighter than what is attached to it.
 inline constexpr double kLockedJointMobility = 1e-4;
-/// Largest number of rigid bodies that joints connect with one that has an attachment: their mobility is a dense matrix. The bodies of
+/// Largest number of rigid bodies that joints connect with one that is attached or hit: their mobility is a dense matrix. The bodies of
 /// larger groups count as bodies without joints.
 inline constexpr std::size_t kMostJoined = 32;
+/// A kinematic body turns as its angular velocity says where less than this fraction of its pins' mean square displacement differs.
+inline constexpr double kTurnedOtherwise = 0.01;
 /// A contact hits a body on joints that approaches by this fraction of its radius of gyration in the substep.
 inline constexpr double kHitTravel = 0.05;
 /// Relative regularisation of the joints' equations, which are redundant for two hinges of one door.

@@ -71,8 +71,8 @@ ImplicitMotion::Pins ImplicitMotion::pinsOf( int part ) const
 	return pins;
 }
 
-// Pins on a line let a part rotate about it, by h w. Others take it along: those on a kinematic body go along chords, from which the
-// solution takes sin( h w ) for the angle. What does not rotate with its pins bends.
+// Pins on a line let a part rotate about it, by h w. Others take it along, by the angle that they turn by themselves, exactly. What does
+// not rotate with its pins bends.
 std::optional<Eigen::Matrix3d> ImplicitMotion::turnedByPins( int part, const Pins& pins, const Eigen::Vector3d& turn, double h ) const
 {
 	const double angle = turn.norm();

@@ -9,6 +9,7 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace pliant {
 
@@ -169,32 +170,42 @@ void SoftBodySystem::releaseLostPins( SoftBody& body, bool isAdded )
 //
 //   B r / h,   B = R - 1 - [ h w ]x
 //
-// r relative to the nodes' middle, are those of a rigid motion, and do not strain what is on the pins.
+// r relative to the nodes' middle, are those of a rigid motion, and do not strain what is on the pins. A body that was teleported does not
+// move as its angular velocity says: its nodes go along chords.
 void SoftBodySystem::drivePinsOn( btRigidBody& holder, SoftBody& body, btScalar h )
 {
 	SoftBody::Impl& impl = body.impl();
 	NodeState& nodes = impl.body->nodes();
 	const Vec3d turn = double( h ) * toVec3d( holder.getAngularVelocity() );
-	const Eigen::Matrix3d bend = rotationBy( turn ).toRotationMatrix() - Eigen::Matrix3d::Identity() - crossMatrix( turn );
-	const auto isOn = [&holder]( const Pin& pin ) { return pin.kind == PinKind::FollowsBody && pin.body == &holder; };
-	Vec3d middle = Vec3d::Zero();
-	double count = 0.0;
-	for ( const Pin& pin : impl.pins )
-	{
-		const double own = isOn( pin ) ? 1.0 : 0.0;
-		middle += own * nodes.x.get( pin.node ).cast<double>();
-		count += own;
-	}
-	middle /= count;
-	for ( const Pin& pin : impl.pins )
-	{
-		if ( isOn( pin ) )
+	const Eigen::Matrix3d moved = rotationBy( turn ).toRotationMatrix() - Eigen::Matrix3d::Identity(), bend = moved - crossMatrix( turn );
+	const auto displacementOf = [&]( const Pin& pin ) {
+		return Vec3d( toVec3d( holder.getWorldTransform() * pin.point ) - nodes.worldPosition( pin.node ) );
+	};
+	const auto forPins = [&]( const auto& visit ) {
+		for ( const Pin& pin : impl.pins )
 		{
-			const Vec3d at = nodes.x.get( pin.node ).cast<double>(),
-						target = toVec3d( holder.getWorldTransform() * pin.point ) - nodes.origin;
-			nodes.v.set( pin.node, Vec3d( ( target - at - bend * ( at - middle ) ) / double( h ) ).cast<float>() );
+			pin.kind == PinKind::FollowsBody&& pin.body == &holder ? visit( pin ) : void();
 		}
-	}
+	};
+	Vec3d middle = Vec3d::Zero(), mean = Vec3d::Zero();
+	double count = 0.0, turned = 0.0, otherwise = 0.0;
+	forPins( [&]( const Pin& pin ) {
+		middle += nodes.x.get( pin.node ).cast<double>();
+		mean += displacementOf( pin );
+		count += 1.0;
+	} );
+	middle /= count;
+	mean /= count;
+	forPins( [&]( const Pin& pin ) {
+		const Vec3d own = moved * ( nodes.x.get( pin.node ).cast<double>() - middle );
+		turned += own.squaredNorm();
+		otherwise += ( displacementOf( pin ) - mean - own ).squaredNorm();
+	} );
+	const bool isTurning = otherwise < kTurnedOtherwise * turned;
+	forPins( [&]( const Pin& pin ) {
+		const Vec3d bent = isTurning ? Vec3d( bend * ( nodes.x.get( pin.node ).cast<double>() - middle ) ) : Vec3d( Vec3d::Zero() );
+		nodes.v.set( pin.node, Vec3d( ( displacementOf( pin ) - bent ) / double( h ) ).cast<float>() );
+	} );
 }
 
 // Gives each pinned node the velocity of its point of the rigid body, or the one that reaches its target by the end of the game step.
@@ -207,9 +218,11 @@ void SoftBodySystem::drivePins( SoftBody& body, btScalar h, int substep )
 		const Pin& pin = impl.pins[k];
 		if ( pin.kind == PinKind::FollowsBody && pin.body->isKinematicObject() )
 		{
-			const bool isFirst = std::none_of(
-				impl.pins.begin(), impl.pins.begin() + std::ptrdiff_t( k ), [&pin]( const Pin& other ) { return other.body == pin.body; } );
-			isFirst ? drivePinsOn( *pin.body, body, h ) : void();
+			const auto before = std::make_reverse_iterator( impl.pins.begin() + std::ptrdiff_t( k ) );
+			if ( std::none_of( before, impl.pins.rend(), [&pin]( const Pin& other ) { return other.body == pin.body; } ) )
+			{
+				drivePinsOn( *pin.body, body, h );
+			}
 			continue;
 		}
 		btVector3 velocity( 0, 0, 0 );

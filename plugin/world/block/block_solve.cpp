@@ -240,7 +240,7 @@ void BlockSolve::storeVelocities( IslandBlock& block )
 	{
 		if ( !isLink( *part.object ) )
 		{
-			part.expectedVelocity = part.velocity - outsideOf( *part.object ).change;
+			part.expectedVelocity = part.isHit ? part.velocity : Vector6( part.velocity - outsideOf( *part.object ).change );
 			if ( part.linked < 0 )
 			{
 				m_moved.move( part, part.expectedVelocity - MovedObjects::forceOf( *part.object, m_h ) );
@@ -265,6 +265,10 @@ void BlockSolve::after()
 	{
 		for ( const RigidPart& part : m_blocks[k].rigid )
 		{
+			if ( part.isHit )
+			{
+				continue;
+			}
 			// e += r ( dV - e ), dV the change by Bullet's solver beyond the forces
 			Vector6& expected = outsideOf( *part.object ).change;
 			expected += kOutsideFraction * ( m_moved.velocityOf( *part.object ) - part.expectedVelocity - expected );

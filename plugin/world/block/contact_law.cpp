@@ -194,7 +194,7 @@ void IslandBlock::chooseStiffness()
 		for ( const ContactSide& side : contact.side )
 		{
 			const RigidPart* const part = side.rigid < 0 ? nullptr : &rigid[std::size_t( side.rigid )];
-			// A body on joints resists with more than its mass.
+			// An attachment's load may be heavy for the body, which resists with more than its mass where joints hold it.
 			const bool isJointed = contact.isAttachment() && part && part->linked >= 0 && linked[std::size_t( part->linked )].joints;
 			if ( part && !isJointed && !( hasNode && !contact.isDrawn && !contact.isAttachment() ) )
 			{

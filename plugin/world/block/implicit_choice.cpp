@@ -118,8 +118,8 @@ ImplicitStepPlan planImplicitStep( const SoftBody& body, double gameStep, int us
 		plan.parts = mayBeCrushed ? std::max( plan.parts, int( std::ceil( stretches ) ) ) : plan.parts;
 		plan.numericalDamping = stretches > 1.0 ? 1.0f : plan.numericalDamping;
 	}
-	// So would one that a blow has set vibrating in flight, if its shape changes as much within a substep.
-	if ( lands && isFree && body.fracture().rule == BreakRule::Never )
+	// So would one that a blow has set vibrating in flight, if its shape changes as much within a substep. What breaks keeps its waves.
+	if ( lands && isFree && !isUndamped && body.fracture().rule == BreakRule::Never )
 	{
 		const double most = kMostStretch * plan.parts / gameStep;
 		plan.numericalDamping = body.impl().body->stretchRate( most ) > most ? 1.0f : plan.numericalDamping;

@@ -108,6 +108,8 @@ struct RigidPart
 	Vector6 expectedVelocity = Vector6::Zero(); ///< result of Bullet's solver if joints and rigid contacts do nothing
 	Vec3d centre = Vec3d::Zero();               ///< centre of mass, world, m
 	int coarse = -1;                            ///< body index in the coarse system
+	bool isAttached = false;                    ///< on joints, with an attachment
+	bool isHit = false;                         ///< linked in this substep alone, without e
 	int linked = -1, link = 0;                  ///< of a link: index in IslandBlock::linked, and its number there
 
 	bool hasLockedAxis() const { return !( moves[0] && moves[1] && moves[2] && turns[0] && turns[1] && turns[2] ); }

@@ -221,20 +221,65 @@ void MovedObjects::invertMobility( const IslandBlock& block, LinkedParts& whole 
 
 namespace {
 
-/// Whether a contact is an impact on one of its objects, for which the joints' impulses of the steps before mean little.
-bool hits( const BlockContact& contact, const RigidPart& part, double h )
+/// How fast a contact approaches that closes in this substep, m/s.
+double approachOf( const BlockContact& contact )
 {
-	const double approach = -contact.normal.dot( contact.velocityBefore );
-	return contact.isAttachment() ||
-		( approach > 0.0 && approach * approach * h * h * part.mass > kHitTravel * kHitTravel * 0.5 * part.inertia.trace() );
+	const double along = contact.normal.dot( contact.velocityBefore );
+	return along < contact.target ? std::max( 0.0, -along ) : 0.0;
 }
 
-/// The impulse that a contact or an attachment probably has: that of the last substep, and for an approach the one that stops it.
-Vec3d expectedImpulse( const BlockContact& contact, const RigidPart& part, const Attachments& attachments, double h )
+/// Whether a contact is an impact of a soft body on a rigid one, of which the joints' impulses of the steps before say nothing.
+bool isImpact( const BlockContact& contact, const RigidPart& part, double h )
 {
-	return contact.isAttachment()
-		? Vec3d( h * attachments.find( contact.attachment )->lastForce )
-		: Vec3d( contact.impulse() + part.mass * std::max( 0.0, -contact.normal.dot( contact.velocityBefore ) ) * contact.normal );
+	const double travel = h * approachOf( contact ), radiusSquare = 0.5 * part.inertia.trace() / part.mass;
+	const bool hasSoft = contact.side[0].soft >= 0 || contact.side[1].soft >= 0;
+	return hasSoft && travel * travel > kHitTravel * kHitTravel * radiusSquare;
+}
+
+/// A block's rigid parts on joints.
+struct JointedParts
+{
+	std::vector<unsigned char> isJointed, isHit; ///< of each rigid part
+	std::vector<JointGroup::Load> loads;         ///< that the joints will probably carry
+};
+
+/// Loads: impulses of the last substep, and of an approach those that stop it.
+JointedParts jointedPartsOf( IslandBlock& block, const Attachments& attachments, const JointGroup::Joints& joints, double h )
+{
+	JointedParts jointed;
+	jointed.isHit.resize( block.rigid.size() );
+	for ( const RigidPart& part : block.rigid )
+	{
+		const btRigidBody* const body = btRigidBody::upcast( part.object );
+		jointed.isJointed.push_back( body && JointGroup::isHeld( *body, joints ) ? 1 : 0 );
+	}
+	const auto forSides = [&]( const auto& visit ) {
+		for ( const BlockContact& contact : block.contacts )
+		{
+			for ( int k = 0; k < 2; ++k )
+			{
+				const int rigid = contact.side[k].rigid;
+				rigid >= 0 && jointed.isJointed[std::size_t( rigid )] ? visit( contact, k, std::size_t( rigid ) ) : void();
+			}
+		}
+	};
+	std::vector<int> approaching( block.rigid.size() ); // contacts of each part
+	forSides( [&]( const BlockContact& contact, int, std::size_t rigid ) {
+		RigidPart& part = block.rigid[rigid];
+		approaching[rigid] += !contact.isAttachment() && approachOf( contact ) > 0.0 ? 1 : 0;
+		part.isAttached = part.isAttached || contact.isAttachment();
+		jointed.isHit[rigid] |= isImpact( contact, part, h ) ? 1 : 0;
+	} );
+	forSides( [&]( const BlockContact& contact, int k, std::size_t rigid ) {
+		const RigidPart& part = block.rigid[rigid];
+		const Vec3d onFirst = contact.isAttachment()
+			? Vec3d( h * attachments.find( contact.attachment )->lastForce )
+			: Vec3d( contact.impulse() + part.mass * approachOf( contact ) / std::max( 1, approaching[rigid] ) * contact.normal );
+		const Vec3d impulse = k == 0 ? onFirst : Vec3d( -onFirst );
+		JointGroup::Load& load = jointed.loads.emplace_back( JointGroup::Load{ btRigidBody::upcast( part.object ), Vector6::Zero() } );
+		load.impulse << impulse, contact.side[k].arm.cross( impulse );
+	} );
+	return jointed;
 }
 
 } // namespace
@@ -242,30 +287,11 @@ Vec3d expectedImpulse( const BlockContact& contact, const RigidPart& part, const
 void MovedObjects::measureJointed(
 	IslandBlock& block, const Attachments& attachments, const JointGroup::Joints& joints, double h, double erp )
 {
-	std::vector<JointGroup::Load> loads;
-	std::vector<unsigned char> isJointed( block.rigid.size() ), isHit( block.rigid.size() );
-	std::transform( block.rigid.begin(), block.rigid.end(), isJointed.begin(), [&]( const RigidPart& part ) {
-		const btRigidBody* const body = btRigidBody::upcast( part.object );
-		return body && JointGroup::isHeld( *body, joints ) ? 1 : 0;
-	} );
-	for ( const BlockContact& contact : block.contacts )
-	{
-		for ( int k = 0; k < 2; ++k )
-		{
-			const ContactSide& side = contact.side[k];
-			if ( side.rigid >= 0 && isJointed[std::size_t( side.rigid )] )
-			{
-				const RigidPart& part = block.rigid[std::size_t( side.rigid )];
-				const Vec3d impulse = ( k == 0 ? 1.0 : -1.0 ) * expectedImpulse( contact, part, attachments, h );
-				JointGroup::Load& load = loads.emplace_back( JointGroup::Load{ btRigidBody::upcast( part.object ), Vector6::Zero() } );
-				load.impulse << impulse, side.arm.cross( impulse );
-				isHit[std::size_t( side.rigid )] |= hits( contact, part, h ) ? 1 : 0;
-			}
-		}
-	}
+	auto [isJointed, isHit, loads] = jointedPartsOf( block, attachments, joints, h );
 	for ( std::size_t p = 0; p < block.rigid.size(); ++p )
 	{
-		const auto made = isHit[p] && isJointed[p] ? std::make_shared<JointGroup>() : nullptr;
+		const bool isStart = isJointed[p] && ( block.rigid[p].isAttached || isHit[p] );
+		const auto made = isStart ? std::make_shared<JointGroup>() : nullptr;
 		if ( !made || !made->collect( *btRigidBody::upcast( block.rigid[p].object ), joints, loads, h, erp ) )
 		{
 			continue;
@@ -273,17 +299,29 @@ void MovedObjects::measureJointed(
 		JointGroup& group = *made;
 		LinkedParts& whole = block.linked.emplace_back();
 		whole.joints = made;
+		const auto isMember = [&]( std::size_t other ) {
+			const btRigidBody* const body = isJointed[other] ? btRigidBody::upcast( block.rigid[other].object ) : nullptr;
+			return body && group.contains( *body );
+		};
+		bool hasHit = false;
+		for ( std::size_t other = 0; other < block.rigid.size(); ++other )
+		{
+			hasHit = hasHit || ( isHit[other] && isMember( other ) );
+		}
 		std::vector<const btRigidBody*> members;
-		for ( std::size_t other = p; other < block.rigid.size(); ++other )
+		for ( std::size_t other = 0; other < block.rigid.size(); ++other )
 		{
 			RigidPart& part = block.rigid[other];
 			const btRigidBody* const own = btRigidBody::upcast( part.object );
-			if ( isJointed[other] && group.contains( *own ) )
+			if ( isMember( other ) && ( part.isAttached || hasHit ) )
 			{
 				isJointed[other] = 0;
 				part.linked = int( block.linked.size() ) - 1;
 				part.link = int( whole.parts.size() );
-				part.freeVelocity += group.freeVelocityOf( *own ) - velocityOf( *own ) - forceOf( *own, h );
+				// What was learnt of a body that is not always linked includes the impulses of its joints.
+				part.isHit = !part.isAttached;
+				const Vector6 free = group.freeVelocityOf( *own ), beyond = free - velocityOf( *own ) - forceOf( *own, h );
+				part.freeVelocity = part.isHit ? free : Vector6( part.freeVelocity + beyond );
 				whole.parts.push_back( int( other ) );
 				members.push_back( own );
 			}

@@ -6,6 +6,7 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace pliant {
 
@@ -140,11 +141,16 @@ bool Attachments::contain( const SoftBody& body ) const
 		[&body]( const Attachment& attachment ) { return attachment.first.body == &body || attachment.second.body == &body; } );
 }
 
-Attachment* Attachments::find( int id )
+const Attachment* Attachments::find( int id ) const
 {
 	const auto found = std::lower_bound(
 		m_attachments.begin(), m_attachments.end(), id, []( const Attachment& attachment, int wanted ) { return attachment.id < wanted; } );
 	return found != m_attachments.end() && found->id == id ? &*found : nullptr;
+}
+
+Attachment* Attachments::find( int id )
+{
+	return const_cast<Attachment*>( std::as_const( *this ).find( id ) );
 }
 
 template <class F>

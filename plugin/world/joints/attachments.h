@@ -52,7 +52,7 @@ public:
 	bool contain( const SoftBody& body ) const;
 	/// Returns null if there is no attachment with this id.
 	Attachment* find( int id );
-	const Attachment* find( int id ) const { return const_cast<Attachments*>( this )->find( id ); }
+	const Attachment* find( int id ) const;
 	std::vector<Attachment>& all() { return m_attachments; }
 	const std::vector<Attachment>& all() const { return m_attachments; }
 
