@@ -44,11 +44,11 @@ inline float largestVolumeResponse( double alpha, double kappa )
 /// Region damping factor of a substep, k = 1 - exp( - damping h ), limited to what is stable with `alpha`. A mode whose response factor is
 /// lambda is stable below lambda ( alpha + 2 k ) = 4; and in a region compressed to a half, whose rotation responds with twice the torque,
 /// an unlimited k would drive the motion instead of damping it. Volume conservation makes lambda 1 + 3 kappa at rest, and up to 1 + 9 kappa
-/// in a crushed region: soft bodies may be crushed, those of the largest alpha are not.
+/// in a crushed region: soft bodies may be crushed, those of half the largest alpha and more are not.
 inline float dampingFraction( double damping, double h, double alpha, double kappa )
 {
 	const double largest = std::min( double( kLargestAlpha ), kLargestVolumeAlpha / ( 1.0 + 3.0 * kappa ) );
-	const double response = kCrushedResponse + ( kRestResponse - kCrushedResponse ) * std::min( 1.0, alpha / largest );
+	const double response = kCrushedResponse + ( kRestResponse - kCrushedResponse ) * std::min( 1.0, 2.0 * alpha / largest );
 	const double k = 1.0 - std::exp( -damping * h ), margin = 0.5 * ( kLargestDampedResponse / ( 1.0 + response * kappa ) - alpha );
 	return float( std::max( 0.0, std::min( { k, kLargestDampingFraction, margin } ) ) );
 }
