@@ -8,6 +8,7 @@
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace pliant {
 
@@ -236,6 +237,16 @@ bool isImpact( const BlockContact& contact, const RigidPart& part, double h )
 	return hasSoft && travel * travel > kHitTravel * kHitTravel * radiusSquare;
 }
 
+/// Whether a rigid part of the block is attached or hit: without one, its joints are not looked at.
+bool startsAny( const IslandBlock& block, double h )
+{
+	return std::any_of( block.contacts.begin(), block.contacts.end(), [&]( const BlockContact& contact ) {
+		return std::any_of( std::begin( contact.side ), std::end( contact.side ), [&]( const ContactSide& side ) {
+			return side.rigid >= 0 && ( contact.isAttachment() || isImpact( contact, block.rigid[std::size_t( side.rigid )], h ) );
+		} );
+	} );
+}
+
 /// A block's rigid parts on joints.
 struct JointedParts
 {
@@ -287,6 +298,10 @@ JointedParts jointedPartsOf( IslandBlock& block, const Attachments& attachments,
 void MovedObjects::measureJointed(
 	IslandBlock& block, const Attachments& attachments, const JointGroup::Joints& joints, double h, double erp )
 {
+	if ( !startsAny( block, h ) )
+	{
+		return;
+	}
 	auto [isJointed, isHit, loads] = jointedPartsOf( block, attachments, joints, h );
 	for ( std::size_t p = 0; p < block.rigid.size(); ++p )
 	{

@@ -38,7 +38,7 @@ public:
 	void measureLinks( IslandBlock& block );
 	/// Sets a rigid body's velocity where its axes are free.
 	void move( const RigidPart& part, const Vector6& velocity );
-	/// Adds the rigid bodies on `joints` that are attached or hit to IslandBlock::linked, with all that joints connect with them.
+	/// Adds the rigid bodies on `joints` that are attached or hit to IslandBlock::linked; where one is hit, with those of its group.
 	void measureJointed( IslandBlock& block, const Attachments& attachments, const JointGroup::Joints& joints, double h, double erp );
 	/// Gives rigid bodies on joints, and the bodies that joints connect with them, the velocities of the block's solution.
 	static void moveJointed( const IslandBlock& block );
