@@ -79,6 +79,9 @@ inline constexpr double kSpokeCosine = 0.7;
 inline constexpr std::uint32_t kMostRings = 64;
 /// A crack starts at no border that is nearly parallel to the pull: more than 80 degrees from the plane across it.
 inline constexpr double kStartCosine = 0.17;
+/// A border without area opens with the crack beside it only where that one's border has so many times its links: in blocks it has some
+/// nine times as many, in a slanted thin part about as many.
+inline constexpr int kCornerLinks = 3;
 /// A crack stops at borders whose stretch across its plane is less than this fraction of the breaking stretch: they are not pulled apart.
 inline constexpr double kOpensAt = 0.1;
 /// The energy density E e^2 / 2 over the mean of E s^2 / 2, with s the strains of a cell's links: in simple tension e, and a mean over all

@@ -101,6 +101,7 @@ bool ShardCracks::run(
 		}
 		findOne();
 	}
+	event.openCorners( isCrumb );
 	for ( std::uint32_t a = 0; a < std::uint32_t( lattice.cellCount() ); ++a )
 	{
 		for ( std::uint32_t k = limits.start[a]; k < limits.start[a + 1]; ++k )

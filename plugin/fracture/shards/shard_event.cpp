@@ -139,6 +139,11 @@ void ShardEvent::measureBending( Border& border )
 	border.thin.clear();
 }
 
+bool ShardEvent::sharesFace( std::uint32_t a, std::uint32_t b ) const
+{
+	return ( m_lattice.coordinate[a].cast<int>() - m_lattice.coordinate[b].cast<int>() ).cwiseAbs().sum() == 1;
+}
+
 void ShardEvent::addLink( Border& border, std::uint32_t a, std::uint32_t b, double toughness )
 {
 	const Vec3d q = rest( b ) - rest( a ), p = m_at[b] - m_at[a];
@@ -149,10 +154,11 @@ void ShardEvent::addLink( Border& border, std::uint32_t a, std::uint32_t b, doub
 		const ThinCell* const thin = m_faces.moments().isNode( end ) ? m_faces.thinCellOf( end ) : nullptr;
 		thin ? border.thin.push_back( thin ) : void();
 	}
-	const auto steps = m_lattice.coordinate[b].cast<int>() - m_lattice.coordinate[a].cast<int>();
-	if ( steps.cwiseAbs().sum() == 1 )
+	if ( sharesFace( a, b ) )
 	{
+		const auto steps = m_lattice.coordinate[b].cast<int>() - m_lattice.coordinate[a].cast<int>();
 		const double d = double( m_lattice.cellSize ), fill = 0.5 * double( m_lattice.fill[a] + m_lattice.fill[b] );
+		border.hasArea = true;
 		border.across += ( m_shard[a] == border.shard[0] ? d * d * fill : -d * d * fill ) * steps.cast<double>();
 	}
 	if ( std::isfinite( toughness ) )
@@ -316,10 +322,7 @@ std::vector<std::uint8_t> ShardEvent::crumble(
 		for ( std::uint32_t k = m_lattice.linkStart[a]; k < m_lattice.linkStart[a + 1]; ++k )
 		{
 			const std::uint32_t b = m_lattice.linkTo[k];
-			const auto isFace = [&] {
-				return ( m_lattice.coordinate[a].cast<int>() - m_lattice.coordinate[b].cast<int>() ).cwiseAbs().sum() == 1;
-			};
-			own.faces += crumb[b] != crumb[a] && isFace() ? 0.5 * double( m_lattice.fill[a] + m_lattice.fill[b] ) : 0.0;
+			own.faces += crumb[b] != crumb[a] && sharesFace( a, b ) ? 0.5 * double( m_lattice.fill[a] + m_lattice.fill[b] ) : 0.0;
 		}
 	}
 	for ( const ShardOverload& overload : overloads )

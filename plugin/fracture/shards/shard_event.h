@@ -42,6 +42,9 @@ public:
 	/// Opens borders all around an impact, the nearest first and those that lead away from it twice as far as those around it, as long as
 	/// the energy of the whole body lasts.
 	void runAround( std::uint32_t impact );
+	/// Opens small borders without area, over edges and corners of cells alone, whose shards other borders no longer hold together there:
+	/// call it when all cracks have run. `isCrumb`: by cell, 1 for those that come off; empty where none do.
+	void openCorners( const std::vector<std::uint8_t>& isCrumb );
 	/// Returns, by cell, 1 for those that come off as crumbs: where the energy left suffices for a crumb's whole surface, the densest
 	/// first, up to `mass` of cells' fill, which is reduced.
 	std::vector<std::uint8_t> crumble(
@@ -65,6 +68,8 @@ private:
 		Vec3d middle = Vec3d::Zero();      ///< at rest
 		double toughness = 0.0;            ///< factor on the break strain, the mean over links that can break
 		int links = 0;                     ///< that can break
+		bool hasArea = false;              ///< some of its links cross a face of their cells
+		bool keepsArea = false;            ///< some of these neither break in this event nor leave with a crumb
 		bool isBroken = false;
 		unsigned visit = 0; ///< the crack that last looked at it
 	};
@@ -74,6 +79,7 @@ private:
 		Vec3d low, high;     ///< bounding box of its borders' middles
 	};
 
+	bool sharesFace( std::uint32_t a, std::uint32_t b ) const;
 	Vec3d rest( std::uint32_t cell ) const { return m_lattice.restCentre[cell].cast<double>(); }
 	double costOf( const Border& border ) const;
 	void numberShards( const std::vector<std::uint32_t>& number );
@@ -93,6 +99,15 @@ private:
 	/// The border of the cell's shard that lies best across the pull; kNone where none opens.
 	std::uint32_t startOf( const ShardOverload& overload );
 	bool isCrossed( const Border& border, const Crack& crack ) const;
+	/// Calls visit( shard ) for those that a border with area joins to a shard, until it returns true; returns whether it did.
+	/// `beforeEvent`: with the area that borders had when the event began.
+	template <class Visit>
+	bool anyNeighbour( std::uint32_t shard, bool beforeEvent, Visit&& visit ) const;
+	/// Whether at most three borders with area lead from one side of a border to the other.
+	bool areJoined( const Border& border, bool beforeEvent );
+	void findKeptAreas( const std::vector<std::uint8_t>& isCrumb );
+	/// The largest number of links of a border of either shard that has lost its area.
+	int mostLostLinks( const Border& border ) const;
 
 	const Lattice& m_lattice;
 	const LinkLimits& m_limits;
@@ -107,6 +122,7 @@ private:
 	std::vector<std::vector<std::uint32_t>> m_bordersOf; ///< by shard
 	std::vector<std::uint32_t> m_borderOfLink;           ///< by link of the limits
 	std::vector<Crack> m_cracks;
+	std::vector<std::uint8_t> m_isNear; ///< by shard, while areJoined searches; else 0
 };
 
 } // namespace pliant
