@@ -351,16 +351,21 @@ private:
 	void includePulled();
 	void keepVelocities( TaskRunner* runner );
 	double speedOfSound() const; ///< sqrt( E / rho ), m/s
-	/// The strain of links as a fraction: root mean square, largest, and largest extension of those that can break.
+	/// The strain of links as a fraction: root mean square, largest, and largest extension of those that can break. `hasFold`: whether a
+	/// link has kFoldedStretch or kFoldedSquash; not with levels.
 	struct StrainSize
 	{
 		double mean = 0.0, largest = 0.0, ofBreakable = 0.0;
+		bool hasFold = false;
 	};
 	StrainSize strainSize() const;
 	/// Whether every node's velocity differs from the rigid motion by less than a velocity that strains the body by `limit`.
 	bool vibratesLess( double limit ) const;
 	/// Whether some of it is strained by more than `largestInvisibleStrain`.
 	bool isBent( const StrainSize& strain ) const { return strain.largest > largestInvisibleStrain(); }
+	bool isFolded( const StrainSize& strain ) const;
+	/// Gives the nodes the rest shape, about their mass centre.
+	void unfold( const Vec3d& centre );
 	/// Whether its mean strain is invisible, and none is near to breaking it.
 	bool isHardlyStrained( const StrainSize& strain ) const;
 	ImplicitMotion& madeImplicit();

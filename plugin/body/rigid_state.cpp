@@ -146,8 +146,9 @@ Body::StrainSize Body::strainSize() const
 			if ( const int j = int( m_lattice->linkTo[k] ); j > i )
 			{
 				const double rest = ( m_nodes.x0.get( j ) - m_nodes.x0.get( i ) ).norm();
-				add( ( double( ( m_nodes.x.get( j ) - m_nodes.x.get( i ) ).norm() ) - rest ) / rest,
-					canBreak && ( !shards || ( *shards )[std::size_t( i )] != ( *shards )[std::size_t( j )] ) );
+				const double strain = ( double( ( m_nodes.x.get( j ) - m_nodes.x.get( i ) ).norm() ) - rest ) / rest;
+				size.hasFold = size.hasFold || strain > kFoldedStretch || strain < -kFoldedSquash;
+				add( strain, canBreak && ( !shards || ( *shards )[std::size_t( i )] != ( *shards )[std::size_t( j )] ) );
 			}
 		}
 	}
@@ -172,16 +173,43 @@ bool Body::canBecomeRigid( bool isAtRest ) const
 		return false;
 	}
 	const StrainSize strain = strainSize();
-	return isHardlyStrained( strain ) && ( isHeld || !isBent( strain ) || ( isAtRest && vibratesLess( kCalmFraction * limit ) ) );
+	return isFolded( strain ) ||
+		( isHardlyStrained( strain ) && ( isHeld || !isBent( strain ) || ( isAtRest && vibratesLess( kCalmFraction * limit ) ) ) );
+}
+
+// A thin piece that an impact has crushed may rest folded: a flat region whose nodes lie on the wrong side of a line is half a turn from
+// its goal, and stays. Nothing else strains a calm free body by so much if it breaks at less.
+bool Body::isFolded( const StrainSize& strain ) const
+{
+	return strain.hasFold && !m_nodes.hasHeldNodes() && m_breaking &&
+		double( m_breaking->limits.weakest * breakStrain( m_fracture, m_material ) ) < kFoldedStretch &&
+		vibratesLess( kCalmFraction * largestInvisibleStrain() );
+}
+
+// The elastic energy of the fold is lost, its momentum is not.
+void Body::unfold( const Vec3d& centre )
+{
+	const Eigen::Quaterniond rotation = bestFit().rotation;
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		m_nodes.x.set( i, ( centre + rotation * m_nodes.x0.get( i ).cast<double>() ).cast<float>() );
+	}
+	m_matcher->reset( m_nodes, rotation );
+	m_energyDebt = LevelDebt{};
 }
 
 void Body::becomeRigid()
 {
-	const bool wasBent = isBent( strainSize() );
+	const StrainSize strain = strainSize();
+	const BodySums whole = sums();
+	const bool wasFolded = isFolded( strain );
+	if ( wasFolded )
+	{
+		unfold( whole.centre );
+	}
 	m_rigid = std::make_unique<RigidState>();
 	RigidState& state = *m_rigid;
-	state.isBent = wasBent;
-	const BodySums whole = sums();
+	state.isBent = isBent( strain ) && !wasFolded;
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( inertiaAbout( whole.centre ) );
 	Eigen::Matrix3d frame = axes.eigenvectors();
 	if ( frame.determinant() < 0.0 )

@@ -31,6 +31,9 @@ inline constexpr double kRigidBreakFraction = 0.8;
 inline constexpr double kFirmSpread = 0.25;
 /// A body that a load strains visibly somewhere is calm, and may be rigid, if it vibrates by less than this fraction of the visible limit.
 inline constexpr double kCalmFraction = 0.2;
+/// A free body that breaks at less than the first, and is calm, is folded if a link of it is longer than at rest by the first or shorter by
+/// the second fraction: five times what rigidStrain may call invisible, and cells that have passed through one another.
+inline constexpr double kFoldedStretch = 0.5, kFoldedSquash = 0.9;
 /// Largest Material::rigidStrain: more could be seen.
 inline constexpr float kLargestRigidStrain = 0.1f;
 

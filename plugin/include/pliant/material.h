@@ -125,8 +125,9 @@ struct Material
 
 	/// A body whose strains and vibrations are below this is moved as one rigid body, [0, 0.1], until an impact, a load or a call of the
 	/// game deforms it: for stiff bodies and the shards of brittle ones, which cost a fraction then. 0: never, at no cost. A body that can
-	/// break deforms from 0.8 times the strain on at which its weakest link breaks. Pinned ones are static then. Bodies with moving pins,
-	/// attachments, plastic flow or several parts always deform; pieces of SmallPieces::Rigid and of a single node never do.
+	/// break deforms from 0.8 times the strain on at which its weakest link breaks; crushed, it takes its rest shape. Pinned ones are
+	/// static. Bodies with moving pins, attachments, plastic flow or several parts always deform; pieces of SmallPieces::Rigid and of a
+	/// single node never do.
 	float rigidStrain = 0.0f;
 
 	/// How nodes are grouped into regions. A build without Feature::Clusters takes Method::Lattice alone (BadArgument).
