@@ -208,6 +208,13 @@ inline constexpr int kMostFairPasses = 8;
 /// Of an island with more rigid bodies than the first number only those take part in the block that touch a soft body or rest on one, the
 /// latter up to the second: the cost of the coarse system's factorisation grows with a power between 2 and 3 of their number.
 inline constexpr int kWholeBlockRigid = 24, kMostBlockRigid = 96;
+/// In a block of more connected parts of soft bodies than the first number those with a G below the second, of bodies of fewer nodes than
+/// the third, have no affine motions in the coarse system: these save hardly a product there, and the factor takes half of the time that a
+/// cube of 2 197 cells breaks into a hundred pieces in (G about 1). Larger bodies, and a few, keep theirs, since whole bodies would be
+/// tilted by the error that remains.
+inline constexpr std::size_t kManyParts = 16;
+inline constexpr float kLeastWholeStiffness = 4.0f;
+inline constexpr int kLeastWholeNodes = 64;
 /// A body supports another if the contact's normal has at least this component upwards.
 inline constexpr double kSupportSlope = 0.5;
 /// Halvings of the line search: as many as a float has bits.

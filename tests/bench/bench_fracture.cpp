@@ -100,7 +100,7 @@ void fractureShape( benchmark::State& state )
 void fractureThrown( benchmark::State& state )
 {
 	constexpr int kFrames = 60;
-	std::vector<double> breaking( kFrames, 1e9 ), drawing( kFrames, 1e9 );
+	std::vector<double> breaking( kFrames, 1e9 ), drawing( kFrames, 1e9 ), whole( kFrames, 1e9 );
 	CrackSettings cracks;
 	if ( state.range( 3 ) != 0 )
 	{
@@ -114,8 +114,9 @@ void fractureThrown( benchmark::State& state )
 		test::SoftWorld scene;
 		scene.world.setThreadCount( int( state.range( 2 ) ) );
 		scene.addBoxFloor();
-		Material material = test::explicitMaterial();
+		Material material = state.range( 4 ) != 0 ? Material() : test::explicitMaterial();
 		material.youngsModulus = 2e6f;
+		material.rigidStrain = state.range( 4 ) != 0 ? 0.1f : 0.0f;
 		SoftBody* const body = scene.add(
 			cube, btVector3( 0, btScalar( 0.7 ), 0 ), material, btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.3 ) ) );
 		Fracture fracture;
@@ -135,6 +136,7 @@ void fractureThrown( benchmark::State& state )
 				benchmark::DoNotOptimize( scene.world.softBody( k )->surface().positions );
 			}
 			breaking[std::size_t( frame )] = std::min( breaking[std::size_t( frame )], before );
+			whole[std::size_t( frame )] = std::min( whole[std::size_t( frame )], scene.world.stepReport().total );
 			drawing[std::size_t( frame )] = std::min( drawing[std::size_t( frame )], scene.world.stepReport().fracture - before );
 			links += scene.world.stepReport().brokenLinks;
 		}
@@ -156,18 +158,21 @@ void fractureThrown( benchmark::State& state )
 	state.counters["worst_breaking_ms"] = 1e3 * *std::max_element( breaking.begin(), breaking.end() );
 	state.counters["worst_faces_ms"] = 1e3 * *std::max_element( drawing.begin(), drawing.end() );
 	state.counters["worst_frame_ms"] = 1e3 * worst;
+	state.counters["worst_step_ms"] = 1e3 * *std::max_element( whole.begin(), whole.end() );
+	state.counters["last_step_ms"] = 1e3 * whole.back();
 }
 
 BENCHMARK( fractureThrown )
-	->ArgNames( { "rule", "milli_strain", "threads", "flat" } )
-	->Args( { 1, 7, 1, 0 } )
-	->Args( { 1, 9, 1, 0 } )
-	->Args( { 2, 10, 1, 0 } )
-	->Args( { 3, 10, 1, 0 } )
-	->Args( { 1, 7, 2, 0 } )
-	->Args( { 2, 10, 2, 0 } )
-	->Args( { 1, 7, 1, 1 } )
-	->Args( { 2, 10, 1, 1 } )
+	->ArgNames( { "rule", "milli_strain", "threads", "flat", "implicit" } )
+	->Args( { 1, 7, 1, 0, 0 } )
+	->Args( { 1, 9, 1, 0, 0 } )
+	->Args( { 2, 10, 1, 0, 0 } )
+	->Args( { 3, 10, 1, 0, 0 } )
+	->Args( { 1, 7, 2, 0, 0 } )
+	->Args( { 2, 10, 2, 0, 0 } )
+	->Args( { 1, 7, 1, 1, 0 } )
+	->Args( { 2, 10, 1, 1, 0 } )
+	->Args( { 3, 10, 1, 0, 1 } )
 	->Iterations( 5 )
 	->Unit( benchmark::kMillisecond );
 BENCHMARK( fractureTest )->Arg( 6 )->Arg( 13 )->Arg( 27 )->Unit( benchmark::kMicrosecond );

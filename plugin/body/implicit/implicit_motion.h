@@ -82,6 +82,8 @@ public:
 	/// The mean of A's three diagonal entries of a node, kg.
 	float diagonal( int node ) const;
 	bool isElastic() const { return m_stiffness > 0.0f; }
+	/// G; 0 for a body that takes part with its masses alone.
+	float stiffness() const { return m_stiffness; }
 	double gamma() const { return double( m_gamma ); } ///< ( 1 + sigma ) / 2 of the substep
 	/// The segments of a body whose nodes are the cells of `lattice`, measured at the start of the substep; null where affine motions of
 	/// the whole do as well: for small, soft and compact bodies, and those in several parts.

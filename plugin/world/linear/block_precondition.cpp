@@ -4,6 +4,7 @@
 #include "matching/rotation.h"
 #include "world/block/island_block.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 
 #include <algorithm>
 
@@ -86,12 +87,15 @@ int IslandBlock::coarseOf( const ContactSide& side ) const
 void IslandBlock::layOutCoarse()
 {
 	m_coarseSizes.clear();
+	const bool areMany = m_connected.size() > kManyParts;
 	for ( ConnectedPart& own : m_connected )
 	{
 		SoftPart& part = soft[std::size_t( own.soft )];
 		const Body& body = *part.owner->impl().body;
 		own.segments = part.motion->isElastic() && !body.levels() ? part.motion->segments( body.lattice() ) : nullptr;
-		if ( part.motion->isElastic() && part.motion->hasShape( own.part ) && !own.segments )
+		const bool isSoftPiece = areMany && part.motion->stiffness() < kLeastWholeStiffness &&
+			part.motion->nodes().count < kLeastWholeNodes;
+		if ( part.motion->isElastic() && !isSoftPiece && part.motion->hasShape( own.part ) && !own.segments )
 		{
 			own.coarse = int( m_coarseSizes.size() );
 			m_coarseSizes.push_back( 12 );
