@@ -5,12 +5,12 @@
 #include "lattice/pieces.h"
 #include "support/block_body.h"
 #include "support/block_lattice.h"
+#include "support/shard_block.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <set>
@@ -18,70 +18,8 @@
 namespace pliant {
 namespace {
 
-constexpr float kCell = 0.05f, kBreakStrain = 0.02f;
-constexpr double kModulus = 1e6; // Pa
-
-Fracture shards( float size )
-{
-	Fracture fracture;
-	fracture.rule = BreakRule::Shards;
-	fracture.breakStrain = kBreakStrain;
-	fracture.shardSize = size;
-	return fracture;
-}
-
-/// A block of cells, and its shards; stretched along an axis at rest otherwise.
-struct Block
-{
-	Lattice lattice;
-	NodeState nodes;
-	ShardCracks cracks;
-	LinkLimits limits;
-
-	Block( int nx, int ny, int nz, const Fracture& fracture, const GivenCentres& given = {}, std::vector<float> toughness = {} ) :
-		lattice( makeBlockLattice( nx, ny, nz, kCell ) ), nodes( test::restNodes( lattice ) ), cracks( lattice, fracture, given )
-	{
-		cracks.setLaw( fracture.breakStrain, kModulus );
-		limits = limitLinks( lattice, cracks.candidateStrain(), std::move( toughness ) );
-	}
-
-	void stretchTo( int axis, float strain )
-	{
-		nodes = test::restNodes( lattice );
-		for ( int i = 0; i < nodes.count; ++i )
-		{
-			Vec3 at = nodes.x.get( i );
-			at[axis] *= 1.0f + strain;
-			nodes.x.set( i, at );
-		}
-	}
-
-	std::vector<CellLink> run()
-	{
-		std::vector<CellLink> broken;
-		cracks.findOverloads( lattice, limits, CellPositions( nodes ) );
-		const auto positions = [this] {
-			std::vector<Vec3d> at;
-			for ( int i = 0; i < nodes.count; ++i )
-			{
-				at.push_back( nodes.x.get( i ).cast<double>() );
-			}
-			return at;
-		};
-		cracks.run( lattice, limits, positions, broken );
-		return broken;
-	}
-
-	std::map<std::uint32_t, std::vector<std::uint32_t>> cellsOfShards() const
-	{
-		std::map<std::uint32_t, std::vector<std::uint32_t>> cells;
-		for ( std::uint32_t i = 0; i < std::uint32_t( cracks.shards().size() ); ++i )
-		{
-			cells[cracks.shards()[i]].push_back( i );
-		}
-		return cells;
-	}
-};
+using test::shards;
+using Block = test::ShardBlock;
 
 /// Links between cells of different shards.
 std::vector<CellLink> allBorders( const Block& block )
@@ -159,9 +97,9 @@ TEST( Shards, BreakAtTheStrengthAndInOneCrackAcrossThePull )
 	for ( int axis = 0; axis < 3; ++axis )
 	{
 		Block bar( axis == 0 ? 16 : 8, axis == 1 ? 16 : 8, axis == 2 ? 16 : 8, shards( 0.2f ) );
-		bar.stretchTo( axis, 0.98f * kBreakStrain );
+		bar.stretchTo( axis, 0.98f * test::kShardBlockStrain );
 		EXPECT_TRUE( bar.run().empty() );
-		bar.stretchTo( axis, 1.02f * kBreakStrain );
+		bar.stretchTo( axis, 1.02f * test::kShardBlockStrain );
 		const std::vector<CellLink> broken = bar.run();
 		ASSERT_FALSE( broken.empty() );
 		const auto parts = connectedParts( withoutLinks( bar.lattice, broken ) );
@@ -195,54 +133,11 @@ TEST( Shards, AStrongPullMakesMorePiecesAndToughMaterialFewer )
 		const std::vector<CellLink> broken = block.run();
 		return connectedParts( withoutLinks( block.lattice, broken ) ).size();
 	};
-	const std::size_t few = piecesAt( 1.05f * kBreakStrain, 0.0f );
-	EXPECT_GT( piecesAt( 4.0f * kBreakStrain, 0.0f ), few );
+	const std::size_t few = piecesAt( 1.05f * test::kShardBlockStrain, 0.0f );
+	EXPECT_GT( piecesAt( 4.0f * test::kShardBlockStrain, 0.0f ), few );
 	// E e^2 / 2 over two shards of 0.2 m is 84 J/m^2 of border.
-	EXPECT_EQ( piecesAt( 1.05f * kBreakStrain, 20.0f ), few );
-	EXPECT_EQ( piecesAt( 1.05f * kBreakStrain, 400.0f ), 1u );
-}
-
-/// The lattice with only those links whose cells share a face.
-Lattice withFacesAlone( const Lattice& lattice )
-{
-	std::vector<CellLink> diagonal;
-	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
-	{
-		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
-		{
-			const std::uint32_t j = lattice.linkTo[k];
-			if ( j > i && ( lattice.coordinate[i].cast<int>() - lattice.coordinate[j].cast<int>() ).cwiseAbs().sum() > 1 )
-			{
-				diagonal.push_back( CellLink{ i, j } );
-			}
-		}
-	}
-	return withoutLinks( lattice, diagonal );
-}
-
-// A thrown cube of 2 197 cells kept a piece of 64 shards that hung together by 124 links over edges and corners: such a border has no area,
-// so that no crack could start at it. The piece flapped, never became rigid and cost 40 ms a step.
-TEST( Shards, DoNotHangTogetherByEdgesAndCorners )
-{
-	for ( const auto& [strain, crumbs] :
-		{ std::pair( 1.1f, 0.0f ), std::pair( 2.0f, 0.0f ), std::pair( 5.0f, 0.0f ), std::pair( 5.0f, 0.1f ) } )
-	{
-		Fracture fracture = shards( 0.14f );
-		fracture.crumbFraction = crumbs;
-		Block block( 14, 14, 14, fracture );
-		block.stretchTo( 0, strain * kBreakStrain );
-		for ( int i = 0; i < block.nodes.count; ++i ) // pulled hardest at one end, and to its side
-		{
-			const Vec3 at = block.nodes.x.get( i );
-			block.nodes.x.set( i, at + strain * kBreakStrain * at.x() * Vec3( at.x(), at.x(), 0 ) );
-		}
-		const Lattice open = withoutLinks( block.lattice, block.run() );
-		const std::size_t pieces = connectedParts( open ).size();
-		std::printf( "%.1f of the breaking strain, %.2f in crumbs: %d pieces\n", double( strain ), double( crumbs ), int( pieces ) );
-		EXPECT_GT( pieces, 1u );
-		// Where crumbs have come off, the rest of a shard itself may hang by an edge.
-		EXPECT_LE( connectedParts( withFacesAlone( open ) ).size(), crumbs > 0.0f ? pieces + pieces / 10 : pieces );
-	}
+	EXPECT_EQ( piecesAt( 1.05f * test::kShardBlockStrain, 20.0f ), few );
+	EXPECT_EQ( piecesAt( 1.05f * test::kShardBlockStrain, 400.0f ), 1u );
 }
 
 TEST( Shards, CrumbsAreWhereTheLoadIsAndAtMostTheirShare )
@@ -256,7 +151,8 @@ TEST( Shards, CrumbsAreWhereTheLoadIsAndAtMostTheirShare )
 		for ( int i = 0; i < block.nodes.count; ++i ) // a corner is pulled off
 		{
 			const Vec3 at = block.nodes.x.get( i );
-			block.nodes.x.set( i, at - 0.6f * kCell * std::exp( -( at - corner ).norm() / ( 3.0f * kCell ) ) * Vec3( 1, 2, 1 ) );
+			block.nodes.x.set(
+				i, at - 0.6f * Block::kCell * std::exp( -( at - corner ).norm() / ( 3.0f * Block::kCell ) ) * Vec3( 1, 2, 1 ) );
 		}
 		const std::vector<std::uint32_t> before = block.cracks.shards();
 		static_cast<void>( block.run() );
@@ -292,7 +188,7 @@ TEST( Shards, AreThoseOfGivenCentres )
 	}
 	std::sort( sizes.begin(), sizes.end() );
 	EXPECT_EQ( sizes, ( std::vector<std::size_t>{ 256, 256, 512 } ) );
-	block.stretchTo( 0, 1.05f * kBreakStrain );
+	block.stretchTo( 0, 1.05f * test::kShardBlockStrain );
 	const std::vector<CellLink> broken = block.run();
 	ASSERT_FALSE( broken.empty() );
 	for ( const CutTrace& trace : block.cracks.tracesOf( block.lattice, broken ) )
@@ -337,15 +233,15 @@ TEST( Shards, LieInRingsAboutTheImpact )
 
 TEST( Shards, LinksThatNeverBreakHold )
 {
-	const Lattice lattice = makeBlockLattice( 30, 8, 8, kCell );
+	const Lattice lattice = makeBlockLattice( 30, 8, 8, Block::kCell );
 	Block tough(
 		30, 8, 8, shards( 0.2f ), {}, std::vector<float>( std::size_t( lattice.linkCount() ), std::numeric_limits<float>::infinity() ) );
-	tough.stretchTo( 0, 5.0f * kBreakStrain );
+	tough.stretchTo( 0, 5.0f * test::kShardBlockStrain );
 	EXPECT_TRUE( tough.run().empty() );
 	Block twice( 30, 8, 8, shards( 0.2f ), {}, std::vector<float>( std::size_t( lattice.linkCount() ), 2.0f ) );
-	twice.stretchTo( 0, 1.9f * kBreakStrain );
+	twice.stretchTo( 0, 1.9f * test::kShardBlockStrain );
 	EXPECT_TRUE( twice.run().empty() );
-	twice.stretchTo( 0, 2.1f * kBreakStrain );
+	twice.stretchTo( 0, 2.1f * test::kShardBlockStrain );
 	EXPECT_FALSE( twice.run().empty() );
 }
 
@@ -374,7 +270,7 @@ TEST( Shards, BordersAreContinuousSurfaces )
 	// Each trace is on its link, at equal distance from both shards' centres in the bent space, so that the traces of neighbouring links on
 	// one border are on a smooth surface: within a seventh of a cell of each other's planes.
 	Block block( 24, 12, 12, shards( 0.3f ) );
-	block.stretchTo( 0, 1.05f * kBreakStrain );
+	block.stretchTo( 0, 1.05f * test::kShardBlockStrain );
 	const std::vector<CellLink> broken = block.run();
 	const std::vector<CutTrace> traces = block.cracks.tracesOf( block.lattice, broken );
 	ASSERT_GT( traces.size(), 20u );
@@ -386,9 +282,9 @@ TEST( Shards, BordersAreContinuousSurfaces )
 		{
 			const bool isOneBorder = block.cracks.shards()[a.link.a] == block.cracks.shards()[b.link.a] &&
 				block.cracks.shards()[a.link.b] == block.cracks.shards()[b.link.b];
-			if ( isOneBorder && ( a.point - b.point ).norm() < 1.2f * kCell )
+			if ( isOneBorder && ( a.point - b.point ).norm() < 1.2f * Block::kCell )
 			{
-				EXPECT_LT( std::fabs( a.normal.dot( b.point - a.point ) ), 0.15f * kCell );
+				EXPECT_LT( std::fabs( a.normal.dot( b.point - a.point ) ), 0.15f * Block::kCell );
 				++pairs;
 			}
 		}

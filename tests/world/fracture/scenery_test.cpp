@@ -106,11 +106,12 @@ TEST( Scenery, ADynamicPieceMovesAgainAndKeptOnesNeverSettle )
 	Heap heap( 0.5f );
 	heap.run( 60 );
 	ASSERT_GT( heap.pieces().size(), 5u );
-	heap.pieces().back()->setKept( true );
+	SoftBody* const kept = heap.pieces().back();
+	kept->setKept( true );
 	heap.run( 660 );
 	const std::vector<SoftBody*> pieces = heap.pieces();
 	EXPECT_EQ( heap.settled, int( pieces.size() ) - 1 );
-	EXPECT_FALSE( pieces.back()->isStaticObject() );
+	EXPECT_FALSE( kept->isStaticObject() );
 	SoftBody* const piece = pieces.front();
 	const btScalar height = piece->massCentre().y();
 	piece->setCollisionFlags( piece->getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT );
