@@ -7,6 +7,7 @@
 #include "fracture/constants.h"
 #include "fracture/shards/shard_cracks.h"
 #include "lattice/attempt.h"
+#include "lattice/axis_neighbours.h"
 #include "matching/step/lattice_matcher.h"
 
 #include <Eigen/Eigenvalues>
@@ -19,12 +20,6 @@
 namespace pliant {
 
 namespace {
-
-/// Links between cells that share a face make up the area of the crack, d^2 each.
-bool sharesFace( const Lattice& lattice, const CellLink& link )
-{
-	return ( lattice.coordinate[link.a].cast<int>() - lattice.coordinate[link.b].cast<int>() ).cwiseAbs().sum() == 1;
-}
 
 Result<std::vector<float>> sampleToughness( const Lattice& lattice, const ToughnessField& field )
 {
@@ -281,7 +276,7 @@ BreakReport Body::reportOn( const std::vector<CellLink>& broken ) const
 	std::vector<Vec3d> middles;
 	for ( const CellLink& link : broken )
 	{
-		report.area += sharesFace( *m_lattice, link ) ? d * d : 0.0;
+		report.area += shareFace( *m_lattice, link.a, link.b ) ? d * d : 0.0;
 		const int a = nodeOfCell( link.a ), b = nodeOfCell( link.b );
 		if ( a != b )
 		{

@@ -15,4 +15,10 @@ using AxisNeighbours = std::vector<std::array<std::int32_t, 6>>;
 
 AxisNeighbours findAxisNeighbours( const Lattice& lattice );
 
+/// Whether two cells are adjacent along an axis, linked or not.
+inline bool shareFace( const Lattice& lattice, std::uint32_t a, std::uint32_t b )
+{
+	return ( lattice.coordinate[a].cast<int>() - lattice.coordinate[b].cast<int>() ).cwiseAbs().sum() == 1;
+}
+
 } // namespace pliant

@@ -1,6 +1,7 @@
 #include "body/implicit/segments.h"
 
 #include "body/constants.h"
+#include "lattice/axis_neighbours.h"
 #include "lattice/union_find.h"
 #include "matching/rotation.h"
 
@@ -8,15 +9,6 @@
 #include <array>
 
 namespace pliant {
-
-namespace {
-
-bool areFaceNeighbours( const Lattice& lattice, std::uint32_t i, std::uint32_t j )
-{
-	return ( lattice.coordinate[i].cast<int>() - lattice.coordinate[j].cast<int>() ).cwiseAbs().sum() == 1;
-}
-
-} // namespace
 
 void Segments::layOut( const Lattice& lattice )
 {
@@ -81,7 +73,7 @@ void Segments::listLinks( const Lattice& lattice )
 			const std::uint32_t j = lattice.linkTo[k];
 			if ( m_of[i] > m_of[j] )
 			{
-				links.push_back( Link{ m_of[i], m_of[j], !areFaceNeighbours( lattice, i, j ), int( i ), int( j ) } );
+				links.push_back( Link{ m_of[i], m_of[j], !shareFace( lattice, i, j ), int( i ), int( j ) } );
 			}
 		}
 	}

@@ -2,6 +2,7 @@
 
 #include "fracture/constants.h"
 #include "fracture/shards/shard_event.h"
+#include "lattice/axis_neighbours.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +52,7 @@ void ShardEvent::findKeptAreas( const std::vector<std::uint8_t>& isCrumb )
 			const bool isTough = !m_limits.toughness.empty() && std::isinf( m_limits.toughness[k] );
 			const bool comesOff = !isCrumb.empty() && ( isCrumb[a] | isCrumb[b] ) != 0;
 			const bool holds = isTough || ( !border.isBroken && !comesOff );
-			border.keepsArea = border.keepsArea || ( holds && sharesFace( a, b ) );
+			border.keepsArea = border.keepsArea || ( holds && shareFace( m_lattice, a, b ) );
 		}
 	}
 }

@@ -2,6 +2,7 @@
 
 #include "fracture/constants.h"
 #include "fracture/stretch.h"
+#include "lattice/axis_neighbours.h"
 
 #include <Eigen/Geometry>
 
@@ -139,11 +140,6 @@ void ShardEvent::measureBending( Border& border )
 	border.thin.clear();
 }
 
-bool ShardEvent::sharesFace( std::uint32_t a, std::uint32_t b ) const
-{
-	return ( m_lattice.coordinate[a].cast<int>() - m_lattice.coordinate[b].cast<int>() ).cwiseAbs().sum() == 1;
-}
-
 void ShardEvent::addLink( Border& border, std::uint32_t a, std::uint32_t b, double toughness )
 {
 	const Vec3d q = rest( b ) - rest( a ), p = m_at[b] - m_at[a];
@@ -154,7 +150,7 @@ void ShardEvent::addLink( Border& border, std::uint32_t a, std::uint32_t b, doub
 		const ThinCell* const thin = m_faces.moments().isNode( end ) ? m_faces.thinCellOf( end ) : nullptr;
 		thin ? border.thin.push_back( thin ) : void();
 	}
-	if ( sharesFace( a, b ) )
+	if ( shareFace( m_lattice, a, b ) )
 	{
 		const auto steps = m_lattice.coordinate[b].cast<int>() - m_lattice.coordinate[a].cast<int>();
 		const double d = double( m_lattice.cellSize ), fill = 0.5 * double( m_lattice.fill[a] + m_lattice.fill[b] );
@@ -322,7 +318,7 @@ std::vector<std::uint8_t> ShardEvent::crumble(
 		for ( std::uint32_t k = m_lattice.linkStart[a]; k < m_lattice.linkStart[a + 1]; ++k )
 		{
 			const std::uint32_t b = m_lattice.linkTo[k];
-			own.faces += crumb[b] != crumb[a] && sharesFace( a, b ) ? 0.5 * double( m_lattice.fill[a] + m_lattice.fill[b] ) : 0.0;
+			own.faces += crumb[b] != crumb[a] && shareFace( m_lattice, a, b ) ? 0.5 * double( m_lattice.fill[a] + m_lattice.fill[b] ) : 0.0;
 		}
 	}
 	for ( const ShardOverload& overload : overloads )

@@ -79,7 +79,6 @@ private:
 		Vec3d low, high;     ///< bounding box of its borders' middles
 	};
 
-	bool sharesFace( std::uint32_t a, std::uint32_t b ) const;
 	Vec3d rest( std::uint32_t cell ) const { return m_lattice.restCentre[cell].cast<double>(); }
 	double costOf( const Border& border ) const;
 	void numberShards( const std::vector<std::uint32_t>& number );
