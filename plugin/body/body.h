@@ -99,8 +99,7 @@ public:
 	Status setMaterial( const Material& wanted );
 
 	/// Grows or shrinks a body of Method::Lattice without levels and far levels to the size of `lattice`, which is its own, scaled:
-	/// positions about the mass centre, masses by density. Velocities and plastic flow stay. Throws std::bad_alloc, before positions have
-	/// changed.
+	/// positions about the mass centre, masses by density. Velocities and plastic flow stay. Throws std::bad_alloc before any change.
 	void rescale( std::shared_ptr<const Lattice> lattice );
 
 	/// Places the rest shape rigidly, with zero velocities, and discards the matching history.
@@ -154,8 +153,9 @@ public:
 	const Breaking* breaking() const { return m_breaking.get(); }
 	/// The strain at which the weakest part of it breaks; infinity where nothing of it can break but crumbs.
 	double weakestBreakStrain() const;
-	/// Finds overstretched links; call after `integrate`. They are removed in the next `breakApart`.
+	/// Finds overstretched links; call after `integrate`, or restLinks without a test. They are removed in the next `breakApart`.
 	void testLinks( float h );
+	void restLinks( float h );
 	/// Of an implicit body that can break, before `integrate`: links are tested without the stretch by which `x += h v` rotates it.
 	void noteTurns( float h );
 	/// The next testLinks tests the nodes displaced by `peak`, m, component after component, in an impact of `energy`, J. If it can break.
@@ -210,8 +210,8 @@ public:
 	void becomeDeformable();
 	/// The smaller of Material::rigidStrain and a part of the strain at which the weakest link breaks.
 	double largestInvisibleStrain() const;
-	/// Of a vibration or an approach that strains the body by as much, m/s.
-	double largestInvisibleVelocity() const;
+	/// Of a vibration or an approach that strains the body by as much, m/s. `breaks`: or by what breaks it.
+	double largestInvisibleVelocity( bool breaks = true ) const;
 
 	// --- one substep of length h, s ---------------------------------------------------------------------------------
 	/// Shape matching and damping: v += (alpha e + k de) / h, and wobble damping of v. `runner` may be null (calling thread only).
@@ -259,8 +259,8 @@ public:
 	/// The impulse and angular impulse about the origin of the world that the nodes have got with their present velocities, N s and N m s.
 	void pullImpulse( Vec3d& linear, Vec3d& angular ) const;
 
-	/// Of an implicit body without contacts, before integrate: parts that rotate go along arcs (ImplicitMotion::bendToArcs).
-	void bendToArcs( float h );
+	/// Of an implicit body, before integrate: parts that rotate go along arcs; with contacts only fast ones of bodies that can break.
+	void bendToArcs( float h, bool isTouched );
 	/// Of an implicit body on levels, before integrate: the rotation by which turnFrame() turns the regions' frame after it. Cells under
 	/// coarse nodes of one layer lie across it as their region does, whose rotation was fitted before.
 	void noteFrameTurn( float h );

@@ -148,7 +148,7 @@ void Body::noteTurns( float h )
 	for ( int p = 0; p < parts; ++p )
 	{
 		const PartTurn turn = turnOf( p, h );
-		if ( turn.isArc && !m_levels )
+		if ( turn.isArc && !m_levels && m_breaking->peak.empty() ) // peaks are displacements from the former positions
 		{
 			unturned.push_back( Eigen::Matrix3f::Identity() );
 			continue;
@@ -166,6 +166,14 @@ void Body::noteImpact( const float* peak, double energy )
 {
 	m_breaking->impactEnergy = energy;
 	m_breaking->peak.assign( peak, peak + 3 * m_nodes.padded );
+}
+
+void Body::restLinks( float h )
+{
+	if ( m_breaking )
+	{
+		m_breaking->coolDown -= h;
+	}
 }
 
 void Body::testLinks( float h )

@@ -2,6 +2,7 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
+#include "body/constants.h"
 #include "body/implicit/implicit_motion.h"
 #include "body/levels/levels.h"
 #include "body/rigid_state.h"
@@ -244,9 +245,13 @@ void Body::pullImpulse( Vec3d& linear, Vec3d& angular ) const
 	}
 }
 
-void Body::bendToArcs( float h )
+void Body::bendToArcs( float h, bool isTouched )
 {
-	m_implicit->bendToArcs( double( h ) );
+	if ( isTouched && !m_breaking )
+	{
+		return;
+	}
+	m_implicit->bendToArcs( double( h ), isTouched ? kLeastTouchedArc : kLeastArc );
 	m_isBent = true;
 }
 

@@ -16,6 +16,9 @@ inline constexpr double kRockingTurn = 0.1, kFreeTurn = 0.5;
 
 /// Implicit bodies that turn by this much in a step, rad, go on along arcs: a smaller turn stretches by 1e-5 along tangents.
 inline constexpr double kLeastArc = 0.005;
+/// And those with contacts that can break, by this much: tangents would stretch them by .00125. Contacts account for tangents
+/// (IslandBlock::rollingLag), and bodies that roll slower stay on them.
+inline constexpr double kLeastTouchedArc = 0.05;
 /// And that sound crosses so many times in it, in the root of the mean square radius.
 inline constexpr double kArcTravel = 3.0;
 /// Pins whose mean square distance from the axis is a smaller fraction of a region's second moment lie on it; others have to turn with

@@ -82,9 +82,9 @@ bool Body::isInelastic() const
 	return m_nodes.count == 1 || isRigidCluster;
 }
 
-double Body::largestInvisibleVelocity() const
+double Body::largestInvisibleVelocity( bool breaks ) const
 {
-	return largestInvisibleStrain() * speedOfSound();
+	return ( breaks || isInelastic() ? largestInvisibleStrain() : double( m_material.rigidStrain ) ) * speedOfSound();
 }
 
 double Body::weakestBreakStrain() const

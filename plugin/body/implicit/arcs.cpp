@@ -99,7 +99,7 @@ std::optional<Eigen::Matrix3d> ImplicitMotion::turnedByPins( int part, const Pin
 //   x + h v + B r,   B = R - 1 - [ h w ]x
 //
 // r relative to the mass centre, or to the middle of the pinned nodes, which go where their pins do.
-void ImplicitMotion::bendToArcs( double h )
+void ImplicitMotion::bendToArcs( double h, double least )
 {
 	NodeState& nodes = *m_nodes;
 	m_arcs.clear();
@@ -111,7 +111,7 @@ void ImplicitMotion::bendToArcs( double h )
 		}
 		const Vector6 whole = momentum( p ), motion = rigidMotion( whole, p );
 		const Eigen::Vector3d turn = h * motion.tail<3>();
-		if ( turn.norm() < kLeastArc || !rotatesAsRigid( p, whole, motion ) )
+		if ( turn.norm() < least || !rotatesAsRigid( p, whole, motion ) )
 		{
 			continue;
 		}

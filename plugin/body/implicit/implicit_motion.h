@@ -120,9 +120,9 @@ public:
 	void addMotion( const Vector6& motion, int part = 0 );
 	/// Adds rigid motions of the free parts to `velocity`, m/s, which then has the momentum and spin of `impulse`, N s.
 	void giveMomentum( const float* impulse, float* velocity ) const;
-	/// Of a body without contacts, before x += h v, which takes nodes along tangents: moves those of parts that rotate as rigid ones by the
+	/// Before x += h v, which takes nodes along tangents: moves those of parts that rotate as rigid ones, by `least` or more, rad, by the
 	/// difference to arcs. `h`: s.
-	void bendToArcs( double h );
+	void bendToArcs( double h, double least );
 	/// After it: turns their velocities too.
 	void turnVelocities();
 	/// The rotation of a part in the last bendToArcs(), if it goes along an arc.

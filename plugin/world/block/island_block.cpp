@@ -275,6 +275,7 @@ void IslandBlock::respond( const float* impulse, float* velocity )
 // sweeps passes start from their velocities and impulses.
 void IslandBlock::solveLaw( BlockCount& count )
 {
+	m_isUnsettled = false;
 	const bool isSwept = canSweep();
 	if ( isSwept && sweepContacts( count ) )
 	{
@@ -313,6 +314,7 @@ void IslandBlock::solveLaw( BlockCount& count )
 		linearise( m_v.data(), passes );
 	}
 	m_v = m_next;
+	m_isUnsettled = passes >= kMostHardPasses;
 	count.passes += passes;
 }
 

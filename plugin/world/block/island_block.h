@@ -145,17 +145,17 @@ public:
 	void beginResponses( TaskRunner* runner ); ///< of one soft body without contacts
 	/// Solves A v = p for impulses on the nodes, N s, from `velocity` as the initial guess. Both as the nodes' arrays of three components.
 	void respond( const float* impulse, float* velocity );
+	/// Whether the last solution ended where its impulses were still far from the law (kMostHardPasses).
+	bool isUnsettled() const { return m_isUnsettled; }
 	void clear();
 	/// Returns the relative velocity at a contact without contact impulses and elastic forces, m/s.
 	Vec3d freeVelocity( const BlockContact& contact ) const;
-	/// Returns the speed, m/s, at which a rolling surface recedes from the contact: nodes move along chords, so in a step of h a sphere of
-	/// radius R and angular velocity w comes ( h w )^2 R / 2 nearer to the ground than its touching point does. Without this correction a
-	/// rolling body sinks and is lifted again, which costs energy.
+	/// Returns the speed, m/s, at which a rolling surface recedes from the contact: nodes move along chords, by which a sphere of radius R
+	/// comes ( h w )^2 R / 2 nearer to the ground in a step of h. Without it a rolling body sinks and is lifted again, and loses energy.
 	double rollingLag( const BlockContact& contact, double h );
 	/// Returns how deep a contact that is `gap`, m, apart may end the substep, m.
 	double landingDepth( const BlockContact& contact, double gap ) const;
-	/// Returns the momentum and the angular momentum that a link has through its multibody's motion; `velocity( part )` gives that of a
-	/// part.
+	/// Returns a link's momentum and angular momentum by its multibody's motion; `velocity( part )` gives that of a part.
 	template <class Velocity>
 	Vector6 linkMomentum( const RigidPart& part, Velocity&& velocity ) const
 	{
@@ -410,7 +410,7 @@ private:
 	std::vector<MovingBody> m_movingBodies;                  ///< scratch of restoreMomentumOf
 	std::vector<int> m_blockOf; ///< by index of a node's first component: index in m_nodeBlocks; -1: no contact acts on it
 	CoarseSystem m_coarse;
-	bool m_hasPreconditioner = false; ///< laid out for the contacts
+	bool m_isUnsettled = false, m_hasPreconditioner = false; ///< isUnsettled; laid out for the contacts
 	std::vector<int> m_coarseSizes;
 	std::vector<CoarseSystem::Pair> m_coarsePairs;
 	Eigen::VectorXd m_coarseSums, m_coarseMotion;

@@ -216,9 +216,18 @@ bool SoftBodySystem::breakBodies()
 		each.body->impl().noteCracks( each.report );
 	}
 	makeFragments( broken );
+	const std::size_t bodiesBefore = m_bodies.size(); // pieces come after them
 	for ( Broken& each : broken )
 	{
 		settlePieces( each );
+	}
+	for ( std::size_t k = bodiesBefore; k < m_bodies.size(); ++k )
+	{
+		stiffen( *m_bodies[k] );
+	}
+	for ( const Broken& each : broken )
+	{
+		stiffen( *each.body );
 	}
 	return true;
 }

@@ -133,8 +133,10 @@ void SoftBodySystem::forecastImpact( SoftBody& body, btCollisionObject& other, c
 		return;
 	}
 	const ObjectMotion &own = motions.of( body ), &others = motions.of( other );
-	const btScalar limit = btScalar( largestApproach( *body.impl().body, double( massOf( other ) ) ) );
-	const btScalar otherLimit = rigid ? btScalar( largestApproach( *rigid->impl().body, double( massOf( body ) ) ) ) : limit;
+	const btScalar limit = btScalar( largestApproach( *body.impl().body, double( massOf( other ) ), impactsPass( body, double( h ) ) ) );
+	const btScalar otherLimit = rigid
+		? btScalar( largestApproach( *rigid->impl().body, double( massOf( body ) ), impactsPass( *rigid, double( h ) ) ) )
+		: limit;
 	const btScalar least = deforms ? otherLimit : otherDeforms ? limit : btMin( limit, otherLimit );
 	const btVector3 approach = own.velocity - others.velocity;
 	const btScalar turn = fastestTurn( body, own ) + fastestTurn( other, others ), bound = approach.length() + turn;
@@ -165,7 +167,7 @@ void SoftBodySystem::forecastImpacts( btScalar h )
 		if ( mayDeform( *body ) )
 		{
 			const Body& core = *body->impl().body;
-			const double speed = core.largestInvisibleVelocity();
+			const double speed = core.largestInvisibleVelocity( !impactsPass( *body, double( h ) ) );
 			slowest = std::min( slowest, core.rigidState()->isHeld ? std::min( speed, kHeldForecast ) : speed );
 		}
 	}

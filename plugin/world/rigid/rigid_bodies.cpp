@@ -236,15 +236,30 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 		{
 			continue;
 		}
-		impl.rigidWait = kRigidRetry;
+		impl.rigidWait = impactsPass( *body, double( gameStep ) ) ? 1 : kRigidRetry;
 		const double restTime = impl.pins.empty() ? impl.restTime : double( body->getDeactivationTime() );
 		if ( canBeRigid( *body ) && impl.body->canBecomeRigid( restTime > kBentRest ) )
 		{
-			const double load = loadOn( *body );
-			impl.rigidLoad = RigidLoad{ 0.0, load, load, impl.pins.empty() ? load : -1.0, accelerationOn( *body, gravityOf( *body ) ) };
-			impl.becomeRigid( *body );
-			removeContacts( *body );
+			becomeRigid( *body );
 		}
+	}
+}
+
+void SoftBodySystem::becomeRigid( SoftBody& body )
+{
+	SoftBody::Impl& impl = body.impl();
+	const double load = loadOn( body );
+	impl.rigidLoad = RigidLoad{ 0.0, load, load, impl.pins.empty() ? load : -1.0, accelerationOn( body, gravityOf( body ) ) };
+	impl.becomeRigid( body );
+	removeContacts( body );
+}
+
+void SoftBodySystem::stiffen( SoftBody& body )
+{
+	if ( body.material().rigidStrain > 0.0f && impactsPass( body, double( m_gameStep ) ) && canBeRigid( body ) &&
+		body.impl().body->canBecomeRigid( false ) )
+	{
+		becomeRigid( body );
 	}
 }
 
@@ -257,6 +272,7 @@ void SoftBodySystem::accelerateRigid( btScalar h )
 		SoftBody::Impl& impl = body->impl();
 		impl.isImplicit = false;
 		impl.lastSubstep = double( h );
+		impl.body->restLinks( float( h ) );
 		impl.gravityShare = 1.0; // Bullet moves it
 		fields.push( *body, gravityOf( *body ), double( h ) );
 		if ( !impl.body->rigidState()->isHeld )

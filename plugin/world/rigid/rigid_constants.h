@@ -41,6 +41,15 @@ inline constexpr double kBentLoad = 0.25, kLeastBentLoad = 0.5;
 /// After this time of slow motion, s, the load is a mean over some kMeanLoadTime, s: two pieces that rock on each other exchange their
 /// loads, and would deform at each turn and never sleep.
 inline constexpr double kLoadRest = 1.0, kMeanLoadTime = 0.25;
+/// Contacts with one object belong to one patch while the cosine between their normals is above this.
+inline constexpr double kPatchCosine = 0.95;
+/// An impact on a patch acts on the nodes within this depth of the foremost, in cells.
+inline constexpr double kFrontDepth = 0.5;
+/// The least fraction of an approach that an impulse counts to stop within its substep (as kLeastStopped), and what is added to a patch's
+/// second moments, in squared cells, so that a line and a point have an inverse.
+inline constexpr double kLeastPatchStop = 0.2, kLeastPatchSpread = 1e-3;
+/// The fraction of the energy of an impact between two soft bodies that strains one of them.
+inline constexpr double kSharedImpact = 0.5;
 /// Velocity from which impacts on pinned bodies in their rigid state are searched, m/s: the least that strains them depends on the mass.
 inline constexpr double kHeldForecast = 0.05;
 /// A pin that follows a body has not moved if its node is within this distance of it, m: the rounding of positions.

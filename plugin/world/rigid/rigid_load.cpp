@@ -1,6 +1,7 @@
 #include "world/rigid/rigid_load.h"
 
 #include "body/rigid_state.h"
+#include "world/block/implicit_choice.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/rigid/rigid_constants.h"
 
@@ -89,6 +90,15 @@ bool hasLoadChanged( const SoftBody& body, const btVector3& gravity )
 	return isUnloaded || load.mean > std::max( kRigidLoad * load.first, largestLoad( *impl.body ) );
 }
 
+bool impactsPass( const SoftBody& body, double h )
+{
+	const SoftBody::Impl& impl = body.impl();
+	const Elasticity elasticity = body.material().elasticity;
+	const bool isImplicit = elasticity == Elasticity::Implicit || ( elasticity == Elasticity::Automatic && impl.elasticity.isImplicit );
+	return isImplicit && impl.body->canStepImplicitly() && impl.pins.empty() && body.material().yieldStrain == 0.0f &&
+		resolvedFraction( body, h ) == 0.0;
+}
+
 bool arePinsStill( const SoftBody& body )
 {
 	const SoftBody::Impl& impl = body.impl();
@@ -104,9 +114,9 @@ bool arePinsStill( const SoftBody& body )
 
 // The velocity of a light object counts less: an object much lighter than a cell strains nothing. An object that meets a pinned body bends
 // it until it has stopped. The beam of `largestLoad` then has the energy E e^2 V / 18, so that v = e c sqrt( M / 9 m ).
-double largestApproach( const Body& body, double mass )
+double largestApproach( const Body& body, double mass, bool passes )
 {
-	const double speed = body.largestInvisibleVelocity();
+	const double speed = body.largestInvisibleVelocity( !passes );
 	const RigidState& state = *body.rigidState();
 	const double cell = state.mass / double( body.lattice().cellCount() );
 	const double free = mass < double( SIMD_INFINITY ) ? speed * ( mass + cell ) / mass : speed;

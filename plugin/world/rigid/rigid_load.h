@@ -26,7 +26,11 @@ Vec3d accelerationOn( const SoftBody& body, const btVector3& gravity );
 bool arePinsStill( const SoftBody& body );
 
 /// Returns the velocity, m/s, at which an object of this mass may meet a body in its rigid state without straining it visibly. `mass`: kg,
-/// SIMD_INFINITY for objects that the impact does not move.
-double largestApproach( const Body& body, double mass );
+/// SIMD_INFINITY for objects that the impact does not move. `passes`: impactsPass.
+double largestApproach( const Body& body, double mass, bool passes );
+
+/// Whether an impact on a free body in its rigid state is over within a step of `h`, s, and nothing of its deformation is left to see: it
+/// breaks what it breaks without the body deforming (rigid_impacts.cpp).
+bool impactsPass( const SoftBody& body, double h );
 
 } // namespace pliant

@@ -6,6 +6,7 @@
 #include "world/touch/round_surface.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
@@ -68,6 +69,18 @@ void dropSeparate(
 		kept += staysApart( pair, displacement, margin ) ? 0 : 1;
 	}
 	pairs.resize( kept );
+}
+
+/// Finds the pairs of nodes that may touch within the step.
+void findPairs( const SoftBody::Impl& a, const SoftBody::Impl& b, double step, btScalar margin, SphereRows::Pairs& pairs )
+{
+	const NodeState &nodesA = a.body->nodes(), &nodesB = b.body->nodes();
+	const btVector3 apart = toBt( nodesA.origin - nodesB.origin + ( a.shapeShift - b.shapeShift ).cast<double>() );
+	const btVector3 around( margin, margin, margin );
+	const float farther = float( around.length() ); // as findPairs computes it: stretched cells have more margin
+	const btVector3 low = a.shape->sweepLow() - b.shape->sweepHigh() - around, high = a.shape->sweepHigh() - b.shape->sweepLow() + around;
+	SphereRows::findPairs( a.shape->rows(), b.shape->rows(), SphereRows::Approach{ apart, low, high }, pairs );
+	dropSeparate( pairs.found, nodesA, nodesB, step, farther );
 }
 
 /// A node of the second body: position in the first body's coordinates, m, and radius of its own sphere.
@@ -265,30 +278,24 @@ void makeRound( const SoftBody& a, int nodeA, MovingSphere& sphere, const SoftBo
 
 std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody& b, double step )
 {
-	const SoftBody::Impl& implA = a.impl();
-	const SoftBody::Impl& implB = b.impl();
+	const SoftBody::Impl &implA = a.impl(), &implB = b.impl();
 	const NodeShape &shapeA = *implA.shape, &shapeB = *implB.shape;
-	const NodeState& nodesA = implA.body->nodes();
-	const NodeState& nodesB = implB.body->nodes();
+	const NodeState &nodesA = implA.body->nodes(), &nodesB = implB.body->nodes();
 	m_soft = &a;
 	m_step = step;
 	m_hits.clear();
 	const double slack = slackOf( implA, implB );
+	const bool isFresh = std::isinf( slack ); // not measured yet
 	// Fragments have faces that fit into each other cell by cell.
 	const bool hasPatches = slack == 0.0 && ( implA.isMetAsDrawnBy( b ) || implB.isMetAsDrawnBy( a ) );
 	const PatchPairs patches( a, b ); // used only where there are patches
 	const bool isRound = !hasPatches && slack == 0.0 && useRoundSpheres( a, b );
 	double deepest = 0.0;
 	const Vec3d fromAToB = nodesA.origin - nodesB.origin; // added to a position in A's coordinates gives one in B's
-	const btVector3 shapesApart = toBt( fromAToB + ( implA.shapeShift - implB.shapeShift ).cast<double>() );
 	const btScalar margin = hasPatches ? patches.margin()
 		: isRound                      ? kRoundMargin * ( shapeA.largestRadius() + shapeB.largestRadius() )
 									   : btScalar( 0 );
-	const btVector3 around( margin, margin, margin );
-	const float farther = float( around.length() ); // as findPairs computes it: stretched cells have more margin
-	const btVector3 low = shapeA.sweepLow() - shapeB.sweepHigh() - around, high = shapeA.sweepHigh() - shapeB.sweepLow() + around;
-	SphereRows::findPairs( shapeA.rows(), shapeB.rows(), SphereRows::Approach{ shapesApart, low, high }, m_pairs );
-	dropSeparate( m_pairs.found, nodesA, nodesB, step, farther );
+	findPairs( implA, implB, step, margin, m_pairs );
 	for ( const SphereRows::NearSpheres& pair : m_pairs.found )
 	{
 		const int nodeA = pair.nodeA, nodeB = pair.nodeB;
@@ -311,13 +318,21 @@ std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody
 			touch.distance -= sphere.radius - own; // distance of the node's own sphere at the same gap
 			sphere.radius = own;
 			deepest = std::max( deepest, sphere.radius - touch.distance );
-			touch.distance += slack;
-			if ( slack > 0.0 && touch.distance > sphere.radius )
+			if ( !isFresh )
 			{
-				continue;
+				touch.distance += slack;
+				if ( slack > 0.0 && touch.distance > sphere.radius )
+				{
+					continue;
+				}
 			}
 			m_hits.push_back( NodeHit{ std::uint64_t( nodeA ) << 32 | std::uint32_t( nodeB ), touch, -1, nodeB } );
 		}
+	}
+	// In the step after an event pieces may move by cells into each other, as an impact stops some of them: all faces between them touch.
+	for ( NodeHit& hit : m_hits )
+	{
+		hit.touch.distance += isFresh ? deepest : 0.0;
 	}
 	shrinkSlack( implA, implB, slack, deepest );
 	applyAllowances( a, &b );

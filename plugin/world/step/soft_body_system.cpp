@@ -343,9 +343,9 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 		{
 			impl.follower->sum( *impl.body, double( h ) ); // of the velocities of its solution
 		}
-		if ( impl.isImplicit && impl.touched.empty() && !isHeld( body ) )
+		if ( impl.isImplicit && !isHeld( body ) )
 		{
-			impl.body->bendToArcs( float( h ) );
+			impl.body->bendToArcs( float( h ), !impl.touched.empty() );
 		}
 		impl.body->noteTurns( float( h ) );
 		impl.body->noteFrameTurn( float( h ) );

@@ -17,6 +17,7 @@
 #include "world/joints/attachments.h"
 #include "world/joints/frames.h"
 #include "world/respond/tunneling_guard.h"
+#include "world/rigid/rigid_impacts.h"
 #include "world/shape/contact_proxy.h"
 #include "world/step/object_motion.h"
 #include "world/step/substep_group.h"
@@ -74,6 +75,10 @@ public:
 	/// Around Bullet's solver: manifolds refer to the rigid proxies of bodies in their rigid state.
 	void showRigidProxies( btDispatcher& dispatcher );
 	void hideRigidProxies( btDispatcher& dispatcher );
+	/// Of brittle bodies in their rigid state whose impacts pass within a step (impactsPass). Before Bullet's solver, while their rigid
+	/// proxies are shown: the approaches at their contacts. After it: what breaks.
+	void noteRigidApproaches( btDispatcher& dispatcher );
+	void breakRigid( double h );
 
 	/// Chooses the objects that take soft substeps in a game step of this length. Returns the number of substeps: the user's, or more if
 	/// the stiffest awake material needs them; 1 if no body takes substeps.
@@ -199,6 +204,14 @@ private:
 	void leaveScenery( SoftBody& body );
 	void keepDrawn(); ///< keeps the drawing from which SoftBody::setInterpolation blends
 	void strainByImpact( const IslandBlock& block, int part, double h );
+	/// Notes the peak of an impact that takes `energy`, J, from the motion of the bodies. `stopping`: its impulses on the nodes, N s;
+	/// `storedElsewhere`: the energy of the others' response to it, J.
+	void strainAtPeak( SoftBody& body, const AlignedArray<float>& stopping, double energy, double storedElsewhere, double h );
+	/// The same for a body in its rigid state, whose links are tested at the peak.
+	void strainRigid( SoftBody& body, const AlignedArray<float>& stopping, double energy, double h );
+	/// A body that an impact has broken, or a piece of it, deforms no longer if its impacts pass within a step.
+	void stiffen( SoftBody& body );
+	void becomeRigid( SoftBody& body );
 	/// Changes `response`, a first guess, to the velocities of an implicit body that has got impulses on its nodes, N s, without the rigid
 	/// motions of its free parts; returns its energy, J.
 	double respondTo( SoftBody& body, const AlignedArray<float>& impulse, AlignedArray<float>& response );
@@ -291,6 +304,7 @@ private:
 	std::vector<SoftBody*> m_asleep;             ///< when the last step ended
 	std::vector<SoftBody*> m_parallel, m_serial; ///< awake bodies processed by all threads together; by one thread each
 	std::vector<RestState> m_restStates;         ///< scratch of removeContacts
+	std::vector<RigidApproach> m_approaches;     ///< in this substep
 	std::vector<SoftBody*> m_stale;              ///< scratch of noteSkinRequest
 	std::vector<std::uint32_t> m_contactNodes;   ///< scratch of requestContactSplits: nodes and their F
 	std::vector<float> m_stretches;

@@ -323,6 +323,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 	Stopwatch watch( bodies.report.solve );
 	btDispatcher& dispatcher = *m_parts.dispatcher;
 	bodies.showRigidProxies( dispatcher );
+	bodies.noteRigidApproaches( dispatcher );
 	m_moved.moveToNodes( dispatcher, info );
 	bodies.countContacts( m_moved.count() );
 	if ( m_moved.hasRollingFriction() )
@@ -347,6 +348,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 		m_rolling.apply();
 	}
 	bodies.hideRigidProxies( dispatcher );
+	bodies.breakRigid( double( info.m_timeStep ) );
 	bodies.contactEvents.add( dispatcher, bodies.bodies() );
 	if ( bodies.pass() == StepPass::Substeps )
 	{
