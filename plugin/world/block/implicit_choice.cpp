@@ -61,6 +61,13 @@ void addContact( btPersistentManifold& manifold, int side, const btDiscreteDynam
 
 } // namespace
 
+bool stepsImplicitly( const SoftBody& body )
+{
+	const Elasticity wanted = body.material().elasticity;
+	return ( wanted == Elasticity::Implicit || ( wanted == Elasticity::Automatic && body.impl().elasticity.isImplicit ) ) &&
+		body.impl().body->canStepImplicitly();
+}
+
 double soundVelocity( const SoftBody& body )
 {
 	return std::sqrt( double( body.material().youngsModulus ) / double( body.material().density ) );

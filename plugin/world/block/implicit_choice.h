@@ -51,6 +51,8 @@ struct ElasticityState
 	double impulse = 0.0, nodeMass = 0.0; ///< impulse on its touched nodes, N s, and their mass, kg
 };
 
+/// Whether the body's next substep is implicit.
+bool stepsImplicitly( const SoftBody& body );
 /// The velocity of sound of longitudinal waves in a thin bar of the body's material, m/s.
 double soundVelocity( const SoftBody& body );
 /// The edge of a cube of the body's volume, m.

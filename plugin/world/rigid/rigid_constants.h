@@ -45,9 +45,8 @@ inline constexpr double kLoadRest = 1.0, kMeanLoadTime = 0.25;
 inline constexpr double kPatchCosine = 0.95;
 /// An impact on a patch acts on the nodes within this depth of the foremost, in cells.
 inline constexpr double kFrontDepth = 0.5;
-/// The least fraction of an approach that an impulse counts to stop within its substep (as kLeastStopped), and what is added to a patch's
-/// second moments, in squared cells, so that a line and a point have an inverse.
-inline constexpr double kLeastPatchStop = 0.2, kLeastPatchSpread = 1e-3;
+/// What is added to a patch's second moments, in squared cells, so that a line and a point have an inverse.
+inline constexpr double kLeastPatchSpread = 1e-3;
 /// The fraction of the energy of an impact between two soft bodies that strains one of them.
 inline constexpr double kSharedImpact = 0.5;
 /// Velocity from which impacts on pinned bodies in their rigid state are searched, m/s: the least that strains them depends on the mass.

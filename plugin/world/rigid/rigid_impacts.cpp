@@ -3,6 +3,7 @@
 #include "body/rigid_state.h"
 #include "world/bodies/manifolds.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 #include "world/rigid/rigid_constants.h"
 #include "world/rigid/rigid_load.h"
 #include "world/step/soft_body_system.h"
@@ -67,7 +68,7 @@ void addTo( std::vector<Patch>& patches, const RigidApproach& at, double h )
 	}
 	// A contact that closes a gap within the substep ends the approach at the velocity of that.
 	const double closing = std::max( double( point.m_distance1 ), 0.0 ) / h;
-	const double factor = at.velocity > closing ? at.velocity / std::max( at.velocity - closing, kLeastPatchStop * at.velocity ) : 1.0;
+	const double factor = at.velocity > closing ? at.velocity / std::max( at.velocity - closing, kLeastStopped * at.velocity ) : 1.0;
 	const Vec3d rubbed = double( point.m_appliedImpulseLateral1 ) * toVec3d( point.m_lateralFrictionDir1 ) +
 		double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
 	const Vec3d where = toVec3d( at.isFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB ) - at.body->impl().body->nodes().origin;

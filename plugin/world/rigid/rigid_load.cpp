@@ -92,11 +92,7 @@ bool hasLoadChanged( const SoftBody& body, const btVector3& gravity )
 
 bool impactsPass( const SoftBody& body, double h )
 {
-	const SoftBody::Impl& impl = body.impl();
-	const Elasticity elasticity = body.material().elasticity;
-	const bool isImplicit = elasticity == Elasticity::Implicit || ( elasticity == Elasticity::Automatic && impl.elasticity.isImplicit );
-	return isImplicit && impl.body->canStepImplicitly() && impl.pins.empty() && body.material().yieldStrain == 0.0f &&
-		resolvedFraction( body, h ) == 0.0;
+	return stepsImplicitly( body ) && body.impl().pins.empty() && body.material().yieldStrain == 0.0f && resolvedFraction( body, h ) == 0.0;
 }
 
 bool arePinsStill( const SoftBody& body )

@@ -88,13 +88,6 @@ void SoftBodySystem::keepDrawn()
 	runTasks( m_stale.empty() ? nullptr : tasks(), int( m_stale.size() ), keep );
 }
 
-bool SoftBodySystem::stepsImplicitly( const SoftBody& body ) const
-{
-	const Elasticity wanted = body.material().elasticity;
-	return ( wanted == Elasticity::Implicit || ( wanted == Elasticity::Automatic && body.impl().elasticity.isImplicit ) ) &&
-		body.impl().body->canStepImplicitly();
-}
-
 bool SoftBodySystem::isImplicitRigidPiece( const SoftBody& body ) const
 {
 	return body.material().elasticity != Elasticity::Explicit && body.impl().body->isInelastic();

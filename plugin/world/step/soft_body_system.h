@@ -221,7 +221,6 @@ private:
 	BlockSolve& implicitSolve() { return m_implicit[int( m_pass )]; }
 	/// Returns the number of substeps that the body takes in the game step.
 	int substepsOf( const SoftBody& body ) const;
-	bool stepsImplicitly( const SoftBody& body ) const;
 	/// Whether the body has nothing elastic and may step implicitly: it needs no substeps.
 	bool isImplicitRigidPiece( const SoftBody& body ) const;
 	bool isReachableAwake( const SoftBody& body, btScalar gameStep ) const;
