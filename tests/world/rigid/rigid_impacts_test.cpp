@@ -161,7 +161,7 @@ TEST( RigidImpacts, PiecesDoNotEnterEachOther )
 		std::printf(
 			"rigidStrain %.1f: %d bodies, least distance %.2f cells\n", double( rigidStrain ), outcome.bodies, outcome.leastDistance );
 		EXPECT_GT( outcome.bodies, 5 );
-		EXPECT_GT( outcome.leastDistance, 0.5 ) << rigidStrain; // before .05
+		EXPECT_GT( outcome.leastDistance, 0.5 ) << rigidStrain; // without those contacts .36
 	}
 }
 
@@ -221,7 +221,7 @@ TEST( RigidImpacts, WhatTumblesKeepsItsShape )
 	}
 	std::printf( "at up to %.1f rad/s stretched by %.5f\n", fastest, stretched );
 	EXPECT_GT( fastest, 4.0 );
-	EXPECT_LT( stretched, 1.5e-3 ); // along tangents .009
+	EXPECT_LT( stretched, 1.5e-3 ); // along tangents .0024
 }
 
 } // namespace
