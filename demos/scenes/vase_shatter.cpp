@@ -23,7 +23,9 @@ constexpr btScalar kVaseShatterAside = btScalar( 0.02 ); // m off the axis, so t
 constexpr int kCrumb = 6;                                // cells: smaller pieces are rigid
 constexpr float kVaseShatterShard = 0.12f;               // m
 constexpr int kMostPieces = 200;
-constexpr int kMostSubsteps = 8; // more are not seen: shards are stiff in any case
+constexpr float kClayDensity = 2000.0f; // kg/m^3
+constexpr float kClayModulus = 5.0e9f;  // Pa: the whole vase is rigid until it breaks, and each shard again
+constexpr float kClayStrength = 3.0e6f; // Pa
 
 /// Outer line from the foot up to the lip: radius and height, m.
 const std::vector<std::array<float, 2>>& vaseLine()
@@ -40,18 +42,17 @@ public:
 	bool init( Stage& stage ) override
 	{
 		stage.addGround( btScalar( 0.6 ) );
-		stage.world().setMaxSoftSubsteps( kMostSubsteps );
 		const pliant_glue::ModelMesh mesh = makeVessel( vaseLine(), kWall, kVaseShatterCell * 0.7f, kAround );
 		SoftOrder order;
 		order.name = "vase";
 		order.mesh = &mesh;
 		order.cellSize = kVaseShatterCell;
-		order.material.density = 1000.0f;
-		order.material.youngsModulus = 2.0e6f;
-		order.material.damping = 150.0f; // shards neither vibrate nor bounce
-		order.material.rigidStrain = 0.1f;
+		order.material = pliant::Material();
+		order.material.density = kClayDensity;
+		order.material.youngsModulus = kClayModulus;
+		order.material.rigidStrain = 0.02f;
 		order.fracture.rule = pliant::BreakRule::Shards;
-		order.fracture.breakStrain = 0.035f;
+		order.fracture.strength = kClayStrength;
 		order.fracture.shardSize = kVaseShatterShard;
 		order.fracture.crumbFraction = 0.04f;
 		order.fracture.coolDown = 0.02f;

@@ -173,6 +173,7 @@ void Body::restLinks( float h )
 	if ( m_breaking )
 	{
 		m_breaking->coolDown -= h;
+		m_breaking->sinceTest += h;
 	}
 }
 

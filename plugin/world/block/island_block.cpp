@@ -258,7 +258,7 @@ void IslandBlock::beginResponses( TaskRunner* runner )
 }
 
 // Accurate to a fraction of the response itself, not of the initial error of a good guess.
-void IslandBlock::respond( const float* impulse, float* velocity )
+void IslandBlock::respond( const float* impulse, float* velocity, double fraction )
 {
 	const int size = soft.front().motion->size();
 	std::fill( m_rightSide.begin(), m_rightSide.end(), 0.0f );
@@ -267,7 +267,7 @@ void IslandBlock::respond( const float* impulse, float* velocity )
 	std::copy( velocity, velocity + size, m_v.begin() );
 	precondition( m_rightSide.data(), m_next.data() );
 	const double whole = dot( m_rightSide.data(), m_next.data(), m_size );
-	m_gradients.solve( *this, m_rightSide.data(), m_v.data(), GradientLimits{ 0.0, kResponseFraction * whole, kMostGradients } );
+	m_gradients.solve( *this, m_rightSide.data(), m_v.data(), GradientLimits{ 0.0, fraction * whole, kMostGradients } );
 	std::copy( m_v.begin(), m_v.begin() + size, velocity );
 }
 

@@ -143,8 +143,8 @@ public:
 	/// Computes the velocities of nodes and rigid parts and the contact impulses at the end of the substep.
 	BlockCount solve( TaskRunner* runner );
 	void beginResponses( TaskRunner* runner ); ///< of one soft body without contacts
-	/// Solves A v = p for impulses on the nodes, N s, from `velocity` as the initial guess. Both as the nodes' arrays of three components.
-	void respond( const float* impulse, float* velocity );
+	/// Solves A v = p for impulses on the nodes, N s, to a fraction of the energy, from `velocity`; both component after component.
+	void respond( const float* impulse, float* velocity, double fraction );
 	/// Whether the last solution ended where its impulses were still far from the law (kMostHardPasses).
 	bool isUnsettled() const { return m_isUnsettled; }
 	void clear();

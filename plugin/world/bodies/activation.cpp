@@ -105,6 +105,25 @@ double largestMeanSquareSpeed( const SoftBody::Impl& impl )
 	return fastest;
 }
 
+/// Returns the time for which a body has been at rest, s. Bodies in their rigid state forget it at kRestLoss times the rate at which they
+/// have gathered it: in a heap one of them slips or tips by a millimetre at any time, and all would have to lie still at once. `mayForget`:
+/// else motion ends it at once.
+btScalar timeAtRest( const SoftBody& body, btScalar h, bool rests, bool mayForget )
+{
+	btScalar before = body.getDeactivationTime();
+	if ( !body.impl().rigidProxy )
+	{
+		return rests ? before + h : btScalar( 0 );
+	}
+	// Bullet's islands wake a body so if something that is awake touches one of its heap; activate() makes it active.
+	if ( before == 0 && body.getActivationState() == WANTS_DEACTIVATION )
+	{
+		before = btMax( btScalar( 0 ), gDeactivationTime - kWokenRest );
+	}
+	const btScalar after = rests ? btMin( before + h, gDeactivationTime + kMostRest ) : before - kRestLoss * h;
+	return rests || mayForget ? btMax( after, btScalar( 0 ) ) : btScalar( 0 );
+}
+
 /// Returns true if the body's deactivation timer may run.
 bool isAtRest( SoftBody::Impl& impl, double gravity )
 {
@@ -188,7 +207,7 @@ void SoftBodySystem::updateActivation( btScalar h )
 		const double fallSquare = 2.0 * double( gravity.length() * impl.shape->largestRadius() );
 		impl.restTime = impl.meanSquareSpeed < fallSquare ? impl.restTime + double( h ) : 0.0;
 		const bool maySleep = canSleep && isAtRest( impl, double( gravity.length() ) ) && !isDriven( *body );
-		body->setDeactivationTime( maySleep ? body->getDeactivationTime() + h : btScalar( 0 ) );
+		body->setDeactivationTime( timeAtRest( *body, h, maySleep, canSleep && !isDriven( *body ) ) );
 		if ( state != DISABLE_DEACTIVATION )
 		{
 			body->setActivationState( maySleep && body->getDeactivationTime() > gDeactivationTime ? WANTS_DEACTIVATION : ACTIVE_TAG );

@@ -164,13 +164,13 @@ void SoftBodySystem::noteImpacts( double h )
 	}
 }
 
-double SoftBodySystem::respondTo( SoftBody& body, const AlignedArray<float>& impulse, AlignedArray<float>& response )
+double SoftBodySystem::respondTo( SoftBody& body, const AlignedArray<float>& impulse, AlignedArray<float>& response, double fraction )
 {
 	IslandBlock& block = implicitSolve().responseBlock( body, tasks() );
 	const ImplicitMotion& motion = *body.impl().body->implicit();
 	const AlignedArray<float> load = withoutRigidMotion( body, impulse ), none( impulse.size() );
 	motion.giveMomentum( none.data(), response.data() );
-	block.respond( load.data(), response.data() );
+	block.respond( load.data(), response.data(), fraction );
 	motion.giveMomentum( none.data(), response.data() );
 	return 0.5 * dot( load.data(), response.data(), int( load.size() ) );
 }
@@ -187,7 +187,7 @@ void SoftBodySystem::refineSolution( SoftBody& body, const AlignedArray<float>& 
 		all[i] = motion.rightSide()[i] + impulse[i];
 		momentum[i] = motion.nodes().mass[i % padded] * velocity[i];
 	}
-	respondTo( body, all, velocity );
+	respondTo( body, all, velocity, kResponseFraction );
 	motion.giveMomentum( momentum.data(), velocity.data() );
 	for ( std::size_t i = 0; i < all.size(); ++i )
 	{
@@ -231,7 +231,7 @@ void SoftBodySystem::strainByImpact( const IslandBlock& block, int part, double 
 		SoftBody& hit = *block.soft[std::size_t( partner )].owner;
 		const ImpactLoad back = contactLoadOn( block, partner );
 		other.assign( back.stopping.size(), 0.0f );
-		stored += hit.impl().isImplicit ? respondTo( hit, back.stopping, other ) : energyOfNodes( hit, back.stopping );
+		stored += hit.impl().isImplicit ? respondTo( hit, back.stopping, other, kPeakFraction ) : energyOfNodes( hit, back.stopping );
 	}
 	strainAtPeak( body, load.stopping, energy, stored, h );
 }
@@ -240,13 +240,18 @@ void SoftBodySystem::strainByImpact( const IslandBlock& block, int part, double 
 void SoftBodySystem::strainRigid( SoftBody& body, const AlignedArray<float>& stopping, double energy, double h )
 {
 	Body& own = *body.impl().body;
+	const Breaking& breaking = *own.breaking();
+	if ( !breaking.broken.empty() || ( breaking.coolDown > 0.0f && !breaking.planes ) )
+	{
+		return;
+	}
 	const Vec3Array velocity = own.nodes().v;
 	own.pushImplicitly( float( h ), body.impl().plan.alpha, Vec3::Zero(), tasks() );
 	const double strains = strainingFraction( body, stopping );
 	if ( strains >= kLeastStrainingImpulse && couldBreak( body, strains * energy ) )
 	{
 		strainAtPeak( body, stopping, strains * energy, 0.0, h );
-		own.testLinks( float( h ) );
+		own.testLinks( 0.0f ); // accelerateRigid has counted the time
 	}
 	own.nodes().v = velocity;
 }
@@ -254,7 +259,7 @@ void SoftBodySystem::strainRigid( SoftBody& body, const AlignedArray<float>& sto
 void SoftBodySystem::strainAtPeak( SoftBody& body, const AlignedArray<float>& stopping, double energy, double storedElsewhere, double h )
 {
 	AlignedArray<float> response( stopping.size() );
-	const double stored = respondTo( body, stopping, response ) + storedElsewhere;
+	const double stored = respondTo( body, stopping, response, kPeakFraction ) + storedElsewhere;
 	if ( !( stored > 0.0 ) )
 	{
 		return; // the impulses only move the body

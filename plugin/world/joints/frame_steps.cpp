@@ -2,6 +2,7 @@
 
 #include "world/bodies/manifolds.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 #include "world/step/soft_body_system.h"
 
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
@@ -60,7 +61,8 @@ void SoftBodySystem::giveFrames( const btAlignedObjectArray<btTypedConstraint*>&
 		{
 			IslandBlock* const block = body->impl().isImplicit ? &implicitSolve().responseBlock( *body, tasks() ) : nullptr;
 			frames.measureMobility(
-				*body, [block]( const float* impulse, float* velocity ) { block->respond( impulse, velocity ); }, tasks() );
+				*body, [block]( const float* impulse, float* velocity ) { block->respond( impulse, velocity, kResponseFraction ); },
+				tasks() );
 		}
 		else if ( body->isStaticOrKinematicObject() || !body->isHealthy() )
 		{

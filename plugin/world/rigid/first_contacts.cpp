@@ -44,26 +44,39 @@ void detectAgain( const btBroadphasePair& pair, const btDispatcherInfo& info )
 	pair.m_algorithm->processCollision( &one, &other, info, &result );
 }
 
-/// Adds the contacts of a pair that are found when `turned`, one of the two, is turned.
+/// Adds the contacts of a pair that are found when `turned`, one of the two, is turned: about two axes across the normal, or about three if
+/// compounds touch in several places.
 void completeContacts( const btBroadphasePair& pair, btCollisionObject& turned, const btDispatcherInfo& info )
 {
 	btManifoldArray manifolds;
 	pair.m_algorithm->getAllContactManifolds( manifolds );
-	const btTransform unturned = turned.getWorldTransform();
+	btVector3 axes[3] = { btVector3( 1, 0, 0 ), btVector3( 0, 1, 0 ), btVector3( 0, 0, 1 ) };
+	btScalar threshold = 0;
+	int incomplete = 0;
 	for ( int m = 0; m < manifolds.size(); ++m )
 	{
 		const btPersistentManifold& manifold = *manifolds[m];
-		if ( manifold.getNumContacts() == 0 || manifold.getNumContacts() == MANIFOLD_CACHE_SIZE )
+		if ( manifold.getNumContacts() > 0 && manifold.getNumContacts() < MANIFOLD_CACHE_SIZE )
 		{
-			continue;
+			threshold = manifold.getContactBreakingThreshold();
+			if ( ++incomplete == 1 )
+			{
+				btPlaneSpace1( manifold.getContactPoint( 0 ).m_normalWorldOnB, axes[0], axes[1] );
+				axes[2] = axes[0].cross( axes[1] );
+			}
 		}
-		btVector3 across, along;
-		btPlaneSpace1( manifold.getContactPoint( 0 ).m_normalWorldOnB, across, along );
-		const btScalar angle = kFirstContactTurn * manifold.getContactBreakingThreshold() /
-			turned.getCollisionShape()->getAngularMotionDisc();
-		for ( const btVector3& axis : { across, along, -across, -along } )
+	}
+	if ( incomplete == 0 )
+	{
+		return;
+	}
+	const btTransform unturned = turned.getWorldTransform();
+	const btScalar angle = kFirstContactTurn * threshold / turned.getCollisionShape()->getAngularMotionDisc();
+	for ( int k = 0; k < ( incomplete == 1 ? 2 : 3 ); ++k )
+	{
+		for ( const btScalar side : { btScalar( 1 ), btScalar( -1 ) } )
 		{
-			turned.setWorldTransform( btTransform( btQuaternion( axis, angle ) * unturned.getRotation(), unturned.getOrigin() ) );
+			turned.setWorldTransform( btTransform( btQuaternion( axes[k], side * angle ) * unturned.getRotation(), unturned.getOrigin() ) );
 			detectAgain( pair, info );
 		}
 	}

@@ -37,42 +37,55 @@ btRigidBody* turningSide( const btCollisionObject* side )
 	return side->isStaticOrKinematicObject() ? nullptr : btRigidBody::upcast( const_cast<btCollisionObject*>( side ) );
 }
 
-/// Hulls touch in points, material in an area, whose friction has an arm: a crumb does not spin on a corner without end. `radius`: of the
-/// area, m. Only the rotation about the normal changes, which none of the contacts hinders.
-void brakeSpin( btPersistentManifold& manifold, btScalar radius )
+/// Hulls touch in points, material in an area. Its friction has an arm, and its pressure moves to one side before the body rolls: a crumb
+/// neither spins on a corner without end nor rolls on. Only the relative rotation changes, by two torque impulses, N m s:
+///
+///   about the normal: at most r mu J,   across it: at most kRollingArm r ( r_node / R )^2 J
+///
+/// r: radius of the area, J: the manifold's normal impulse, R: radius of the body
+void brakeRotation( btPersistentManifold& manifold, const SoftBody& body )
 {
-	btScalar limit = 0; // N m s
+	btVector3 centre;
+	btScalar bodyRadius;
+	body.impl().rigidProxy->getCollisionShape()->getBoundingSphere( centre, bodyRadius );
+	const btScalar node = body.impl().shape->smallestRadius(), radius = kContactArea * node;
+	const btScalar size = node / bodyRadius, arm = radius * btMin( kRollingArm * size * size, btScalar( 1 ) );
+	btScalar spin = 0, roll = 0;
 	btVector3 normal( 0, 0, 0 );
 	for ( int k = 0; k < manifold.getNumContacts(); ++k )
 	{
 		const btManifoldPoint& point = manifold.getContactPoint( k );
 		const btScalar impulse = btMax( point.m_appliedImpulse, btScalar( 0 ) );
-		limit += radius * point.m_combinedFriction * impulse;
+		spin += radius * point.m_combinedFriction * impulse;
+		roll += arm * impulse;
 		normal += impulse * point.m_normalWorldOnB;
 	}
-	if ( limit <= 0 || !( normal.length2() > 0 ) ) // opposite contacts, or impulses too small to square, have no axis
+	if ( !( normal.length2() > 0 ) ) // opposite contacts, or impulses too small to square, have no axis
 	{
 		return;
 	}
 	normal.normalize();
 	btRigidBody *const first = turningSide( manifold.getBody0() ), *const second = turningSide( manifold.getBody1() );
-	const auto mobility = [&normal]( const btRigidBody* body ) {
-		return body ? normal.dot( body->getInvInertiaTensorWorld() * normal ) : btScalar( 0 );
+	const btVector3 none( 0, 0, 0 );
+	const auto brake = [&]( const btVector3& axis, btScalar limit ) {
+		const auto mobility = [&axis]( const btRigidBody* side ) {
+			return side ? axis.dot( side->getInvInertiaTensorWorld() * axis ) : btScalar( 0 );
+		};
+		const btScalar both = mobility( first ) + mobility( second );
+		if ( both > 0 )
+		{
+			const btVector3 turn = ( second ? second->getAngularVelocity() : none ) - ( first ? first->getAngularVelocity() : none );
+			const btVector3 impulse = btClamped( axis.dot( turn ) / both, -limit, limit ) * axis;
+			first ? first->applyTorqueImpulse( impulse ) : void();
+			second ? second->applyTorqueImpulse( -impulse ) : void();
+		}
 	};
-	const auto spin = [&normal]( const btRigidBody* body ) { return body ? normal.dot( body->getAngularVelocity() ) : btScalar( 0 ); };
-	const btScalar both = mobility( first ) + mobility( second );
-	if ( both > 0 )
+	brake( normal, spin );
+	const btVector3 turn = ( second ? second->getAngularVelocity() : none ) - ( first ? first->getAngularVelocity() : none );
+	const btVector3 across = turn - normal.dot( turn ) * normal;
+	if ( across.length2() > 0 )
 	{
-		const btScalar stopping = ( spin( second ) - spin( first ) ) / both;
-		const btVector3 impulse = btClamped( stopping, -limit, limit ) * normal;
-		if ( first )
-		{
-			first->applyTorqueImpulse( impulse );
-		}
-		if ( second )
-		{
-			second->applyTorqueImpulse( -impulse );
-		}
+		brake( across.normalized(), roll );
 	}
 }
 
@@ -335,7 +348,7 @@ void SoftBodySystem::brakeRigidProxies( btDispatcher& dispatcher )
 		}
 		if ( canBrakeSpin( manifold ) )
 		{
-			brakeSpin( manifold, kContactArea * ( first ? first : second )->impl().shape->smallestRadius() );
+			brakeRotation( manifold, first ? *first : *second );
 		}
 		if ( impulseOf( manifold ) > 0.0 )
 		{

@@ -19,6 +19,9 @@ inline constexpr btScalar kLastingContact = btScalar( 0.5 ), kLongestLasting = b
 inline constexpr btScalar kLastingFall = btScalar( 2 );
 /// Radius of the area in which hulls touch, in radii of a body's smallest node sphere.
 inline constexpr btScalar kContactArea = btScalar( 0.5 );
+/// The arm of the pressure that resists rolling, in radii of that area: at most 1, and this times the square of a node's radius over the
+/// body's. Crumbs are round for the solver and angular for the eye; the form of larger bodies is that of their hulls.
+inline constexpr btScalar kRollingArm = btScalar( 7 );
 /// A body that touches something rotates by at most this angle in a step, rad: an eighth of a turn, as for Bullet's rigid bodies.
 inline constexpr btScalar kFarthestTurn = btScalar( 0.785 );
 /// A body that has just become rigid is rotated to find its contacts until its farthest corner moves by this fraction of their distance.

@@ -45,6 +45,14 @@ bool breaksAsRigid( const SoftBody& body, double gameStep )
 		impactsPass( body, gameStep );
 }
 
+/// The factor to a contact's impulse that stops its approach at once: one that closes a gap within the substep ends at the velocity of
+/// that.
+double stoppingFactor( const RigidApproach& at, double h )
+{
+	const double closing = std::max( double( at.manifold->getContactPoint( at.point ).m_distance1 ), 0.0 ) / h;
+	return at.velocity > closing ? at.velocity / std::max( at.velocity - closing, kLeastStopped * at.velocity ) : 1.0;
+}
+
 /// Adds a contact to the patch that it belongs to.
 void addTo( std::vector<Patch>& patches, const RigidApproach& at, double h )
 {
@@ -66,9 +74,7 @@ void addTo( std::vector<Patch>& patches, const RigidApproach& at, double h )
 		patch->other = other;
 		patch->normal = normal;
 	}
-	// A contact that closes a gap within the substep ends the approach at the velocity of that.
-	const double closing = std::max( double( point.m_distance1 ), 0.0 ) / h;
-	const double factor = at.velocity > closing ? at.velocity / std::max( at.velocity - closing, kLeastStopped * at.velocity ) : 1.0;
+	const double factor = stoppingFactor( at, h );
 	const Vec3d rubbed = double( point.m_appliedImpulseLateral1 ) * toVec3d( point.m_lateralFrictionDir1 ) +
 		double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
 	const Vec3d where = toVec3d( at.isFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB ) - at.body->impl().body->nodes().origin;
@@ -135,12 +141,12 @@ void spread( const Patch& patch, const SoftBody& body, AlignedArray<float>& to )
 }
 
 /// The energy that a contact takes from the motion of its sides, J. `falls`: velocity by the body's weight, m/s, with which it rests.
-double energyOf( const RigidApproach& at, double falls )
+double energyOf( const RigidApproach& at, double falls, double h )
 {
 	const btManifoldPoint& point = at.manifold->getContactPoint( at.point );
 	const btCollisionObject* const other = at.isFirst ? at.manifold->getBody1() : at.manifold->getBody0();
 	const double share = ownerOfContactProxy( other ) || SoftBody::upcast( other ) ? kSharedImpact : 1.0;
-	return 0.5 * share * std::max( 0.0, double( point.m_appliedImpulse ) ) * std::max( 0.0, at.velocity - falls );
+	return 0.5 * share * stoppingFactor( at, h ) * std::max( 0.0, double( point.m_appliedImpulse ) ) * std::max( 0.0, at.velocity - falls );
 }
 
 } // namespace
@@ -188,7 +194,7 @@ void SoftBodySystem::breakRigid( double h )
 			double energy = 0.0;
 			for ( ; last != m_approaches.end() && last->body == &body; ++last )
 			{
-				energy += energyOf( *last, falls );
+				energy += energyOf( *last, falls, h );
 			}
 			if ( !couldBreak( body, energy ) )
 			{

@@ -92,7 +92,8 @@ bool hasLoadChanged( const SoftBody& body, const btVector3& gravity )
 
 bool impactsPass( const SoftBody& body, double h )
 {
-	return stepsImplicitly( body ) && body.impl().pins.empty() && body.material().yieldStrain == 0.0f && resolvedFraction( body, h ) == 0.0;
+	const bool isStiff = stepsImplicitly( body ) && body.material().yieldStrain == 0.0f && resolvedFraction( body, h ) == 0.0;
+	return body.impl().pins.empty() && ( isStiff || body.impl().body->isInelastic() );
 }
 
 bool arePinsStill( const SoftBody& body )

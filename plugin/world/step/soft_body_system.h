@@ -213,8 +213,8 @@ private:
 	void stiffen( SoftBody& body );
 	void becomeRigid( SoftBody& body );
 	/// Changes `response`, a first guess, to the velocities of an implicit body that has got impulses on its nodes, N s, without the rigid
-	/// motions of its free parts; returns its energy, J.
-	double respondTo( SoftBody& body, const AlignedArray<float>& impulse, AlignedArray<float>& response );
+	/// motions of its free parts; returns its energy, J, which is accurate to `fraction`.
+	double respondTo( SoftBody& body, const AlignedArray<float>& impulse, AlignedArray<float>& response, double fraction );
 	/// Solves an implicit body's velocities accurately for the impulses of its contacts on its nodes, N s. Rigid motions stay, and all
 	/// velocities where their change has more energy than `most`, J.
 	void refineSolution( SoftBody& body, const AlignedArray<float>& impulse, double most );

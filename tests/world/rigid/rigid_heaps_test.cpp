@@ -119,6 +119,70 @@ TEST( RigidHeaps, WhatOverlapsPartsSlowly )
 	EXPECT_GT( ( right->massCentre() - left->massCentre() ).length(), 0.29f );
 }
 
+/// A vessel without a lid of thin brittle walls that are rigid while stiff.
+SoftBody* addVessel( TestWorld& test, const btTransform& where )
+{
+	test::MeshOfBoxes vessel;
+	vessel.add( btVector3( 0.3f, 0.02f, 0.3f ), btVector3( 0.3f, 0.02f, 0.3f ) );
+	for ( const btScalar side : { btScalar( 0.02 ), btScalar( 0.58 ) } )
+	{
+		vessel.add( btVector3( side, 0.32f, 0.3f ), btVector3( 0.02f, 0.28f, 0.3f ) );
+		vessel.add( btVector3( 0.3f, 0.32f, side ), btVector3( 0.26f, 0.28f, 0.02f ) );
+	}
+	Material material;
+	material.density = 2000.0f;
+	material.youngsModulus = 5e9f;
+	material.rigidStrain = 0.02f;
+	SoftBody* const body = test.addSoft( vessel.build( 0.04f ), where, material );
+	Fracture fracture;
+	fracture.rule = BreakRule::Shards;
+	fracture.breakStrain = 6e-4f;
+	fracture.shardSize = 0.12f;
+	fracture.crumbFraction = 0.04f;
+	EXPECT_TRUE( body->setFracture( fracture ).ok() );
+	body->setFriction( btScalar( 0.6 ) );
+	return body;
+}
+
+// In a heap of shards some one slips or tips at any time, which restarted its time at rest, and the whole heap stayed awake for more than
+// 20 s.
+TEST( RigidHeaps, DebrisSleeps )
+{
+	for ( int k = 0; k < 3; ++k )
+	{
+		TestWorld test;
+		test.addFloor();
+		const btQuaternion turn( btVector3( 1, 0, btScalar( 0.3 * k ) ).normalized(), btScalar( 0.4 + 0.3 * k ) );
+		SoftBody* const vessel = addVessel( test, btTransform( turn, btVector3( 0, btScalar( 1.2 ), 0 ) ) );
+		ASSERT_TRUE( vessel->setLinearVelocity( btVector3( 0, -8, 0 ) ).ok() );
+		int frame = 0;
+		while ( frame < 600 && ( frame < 60 || test.world.stepReport().awakeSoftBodies > 0 ) )
+		{
+			test.run( 1 );
+			++frame;
+		}
+		std::printf( "%d bodies asleep after %.1f s\n", test.world.softBodyCount(), frame / 60.0 );
+		EXPECT_GT( test.world.softBodyCount(), 15 );
+		EXPECT_LT( frame, 480 ) << k;
+	}
+}
+
+// It rolled on at .2 m/s without end: its hull is round, and sinks into the floor a little at each corner.
+TEST( RigidHeaps, ACrumbStopsRolling )
+{
+	TestWorld test;
+	test.addFloor();
+	test::MeshOfBoxes corner;
+	corner.add( btVector3( 0.036f, 0.006f, 0.006f ), btVector3( 0.036f, 0.006f, 0.006f ) );
+	corner.add( btVector3( 0.012f, 0.018f, 0.006f ), btVector3( 0.012f, 0.006f, 0.006f ) );
+	SoftBody* const crumb = test.addSoft( corner.build( 0.024f ), at( 0, 0.02f, 0 ), stiffRigid( 1e9f, 0.02f ) );
+	crumb->setFriction( btScalar( 0.6 ) );
+	ASSERT_TRUE( crumb->setVelocities( btVector3( 0, 0, btScalar( 0.25 ) ), btVector3( 30, 0, 0 ) ).ok() );
+	test.run( 180 );
+	ASSERT_TRUE( crumb->isRigid() );
+	EXPECT_LT( crumb->linearVelocity().length(), 0.02f );
+}
+
 /// Distance from a point to the nearest hull of a body in its rigid state, m; below 0 inside.
 double distanceToHulls( const SoftBody& body, const Vec3d& point )
 {
