@@ -171,13 +171,15 @@ void SoftBodySystem::noteRigidApproaches( btDispatcher& dispatcher )
 				const btManifoldPoint& point = manifold.getContactPoint( k );
 				const btVector3 velocity = velocityAt( *manifold.getBody0(), point.getPositionWorldOnA() ) -
 					velocityAt( *manifold.getBody1(), point.getPositionWorldOnB() );
-				m_approaches.push_back( RigidApproach{
-					owners[side], &manifold, k, side == 0, std::max( 0.0, -double( velocity.dot( point.m_normalWorldOnB ) ) ) } );
+				m_approaches.push_back( RigidApproach{ owners[side], &manifold, int( m_approaches.size() ), k, side == 0,
+					std::max( 0.0, -double( velocity.dot( point.m_normalWorldOnB ) ) ) } );
 			}
 		}
 	} );
-	std::stable_sort( m_approaches.begin(), m_approaches.end(),
-		[]( const RigidApproach& a, const RigidApproach& b ) { return a.body->impl().serial < b.body->impl().serial; } );
+	std::sort( m_approaches.begin(), m_approaches.end(), []( const RigidApproach& a, const RigidApproach& b ) {
+		const unsigned first = a.body->impl().serial, second = b.body->impl().serial;
+		return first < second || ( first == second && a.number < b.number );
+	} );
 }
 
 // The impulses are those of Bullet's solver. What they break parts at the start of the next game step.

@@ -13,6 +13,7 @@ struct RigidApproach
 {
 	SoftBody* body;
 	const btPersistentManifold* manifold;
+	int number;      ///< in the order of the manifolds
 	int point;       ///< its number in the manifold
 	bool isFirst;    ///< the body is the manifold's first
 	double velocity; ///< with which the sides approach, without the forces of the substep, m/s
