@@ -147,10 +147,13 @@ inline constexpr double kHeldDisplacement = 0.5;
 /// A body in its rigid state may sleep if its angular velocity is below Bullet's threshold, or if its farthest point is slower than this,
 /// m/s: a shard of 10 cm that is pressed to and fro in a heap rotates by 1 to 2 rad/s from time to time.
 inline constexpr double kSleepTurn = 0.15;
-/// Such a body forgets its time at rest at this multiple of the rate at which it gathers it. At most, s, beyond gDeactivationTime, so that
-/// what begins to move is awake within a quarter of a second; and the rest that it still needs, s, when its heap has woken it: a body that
-/// falls is fast by then.
-inline constexpr btScalar kRestLoss = btScalar( 2 ), kMostRest = btScalar( 0.5 ), kWokenRest = btScalar( 0.5 );
+/// Time at rest that a small motion of such a body uses up, per duration of the motion: shards in a heap move for a tenth of the time.
+inline constexpr btScalar kRestLoss = btScalar( 2 );
+/// Largest time at rest beyond gDeactivationTime, s: what moves for longer than half of it is awake for a while.
+inline constexpr btScalar kMostRest = btScalar( 0.5 );
+/// Rest that such a body still needs when its heap has woken it: at least this, s, and this multiple of the time in which a body that
+/// falls is too fast to sleep.
+inline constexpr btScalar kWokenRest = btScalar( 0.5 ), kWokenFalls = btScalar( 2 );
 
 /// Impulses of an island's contacts that add energy are scaled down at most to this: half an impulse still stops the approach.
 inline constexpr double kLeastBounce = 0.5;
@@ -372,7 +375,7 @@ inline constexpr double kFrameInward = 0.75;
 /// The response of a body to impulses on its frames is solved to this fraction of its energy. A bar of 3e9 Pa swings as a rigid one does;
 /// with ten times as much it lags, and with a thousandth a body of 1 700 nodes costs a fifth more.
 inline constexpr double kResponseFraction = 1e-5;
-/// And to impacts, of whose peak the strain is then accurate to a hundredth.
+/// The response to an impact is solved to this fraction of its energy: the strain at the peak to 1 %.
 inline constexpr double kPeakFraction = 1e-4;
 
 /// The least fraction of a contact's approach that its impulse stops within the substep of an impact, where all of it is extrapolated from

@@ -105,23 +105,41 @@ double largestMeanSquareSpeed( const SoftBody::Impl& impl )
 	return fastest;
 }
 
-/// Returns the time for which a body has been at rest, s. Bodies in their rigid state forget it at kRestLoss times the rate at which they
-/// have gathered it: in a heap one of them slips or tips by a millimetre at any time, and all would have to lie still at once. `mayForget`:
-/// else motion ends it at once.
-btScalar timeAtRest( const SoftBody& body, btScalar h, bool rests, bool mayForget )
+/// Whether a body in its rigid state moves by no more than one that slips or tips in a heap: no point is faster than Bullet's threshold.
+/// What flies, or has been hit, is faster.
+bool isNearlySlow( const SoftBody& body )
+{
+	const RigidProxy& proxy = *body.impl().rigidProxy;
+	const RigidMotion& motion = body.impl().body->rigidState()->motion;
+	btVector3 centre;
+	btScalar radius;
+	proxy.getCollisionShape()->getBoundingSphere( centre, radius );
+	const double fastest = double( proxy.getLinearSleepingThreshold() );
+	return motion.velocity.norm() < fastest && double( radius ) * motion.angularVelocity.norm() < fastest;
+}
+
+/// Returns the time for which a body has been at rest, s. Small motions do not end that of bodies in their rigid state, but use it up at
+/// kRestLoss times the rate: in a heap one of them slips or tips by a millimetre at any time, and all would have to lie still at once.
+/// `mayForget`: else every motion ends it. `gravity`: m/s^2.
+btScalar timeAtRest( const SoftBody& body, btScalar h, bool rests, bool mayForget, btScalar gravity )
 {
 	btScalar before = body.getDeactivationTime();
 	if ( !body.impl().rigidProxy )
 	{
 		return rests ? before + h : btScalar( 0 );
 	}
-	// Bullet's islands wake a body so if something that is awake touches one of its heap; activate() makes it active.
+	// Bullet sets WANTS_DEACTIVATION and a time of 0 when it wakes a sleeping island; activate() sets ACTIVE_TAG instead.
 	if ( before == 0 && body.getActivationState() == WANTS_DEACTIVATION )
 	{
-		before = btMax( btScalar( 0 ), gDeactivationTime - kWokenRest );
+		// A body whose support has gone is fast within v / g.
+		const btScalar falls = kWokenFalls * body.impl().rigidProxy->getLinearSleepingThreshold() / btMax( gravity, SIMD_EPSILON );
+		before = btMax( btScalar( 0 ), gDeactivationTime - btMax( kWokenRest, falls ) );
 	}
-	const btScalar after = rests ? btMin( before + h, gDeactivationTime + kMostRest ) : before - kRestLoss * h;
-	return rests || mayForget ? btMax( after, btScalar( 0 ) ) : btScalar( 0 );
+	if ( rests )
+	{
+		return btMin( before + h, gDeactivationTime + kMostRest );
+	}
+	return mayForget && isNearlySlow( body ) ? btMax( before - kRestLoss * h, btScalar( 0 ) ) : btScalar( 0 );
 }
 
 /// Returns true if the body's deactivation timer may run.
@@ -207,7 +225,7 @@ void SoftBodySystem::updateActivation( btScalar h )
 		const double fallSquare = 2.0 * double( gravity.length() * impl.shape->largestRadius() );
 		impl.restTime = impl.meanSquareSpeed < fallSquare ? impl.restTime + double( h ) : 0.0;
 		const bool maySleep = canSleep && isAtRest( impl, double( gravity.length() ) ) && !isDriven( *body );
-		body->setDeactivationTime( timeAtRest( *body, h, maySleep, canSleep && !isDriven( *body ) ) );
+		body->setDeactivationTime( timeAtRest( *body, h, maySleep, canSleep && !isDriven( *body ), gravity.length() ) );
 		if ( state != DISABLE_DEACTIVATION )
 		{
 			body->setActivationState( maySleep && body->getDeactivationTime() > gDeactivationTime ? WANTS_DEACTIVATION : ACTIVE_TAG );

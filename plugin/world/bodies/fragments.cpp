@@ -43,7 +43,8 @@ void copySettings( const SoftBody& from, SoftBody& to )
 	to.setUserIndex( from.getUserIndex() );
 	to.setUserIndex2( from.getUserIndex2() );
 	to.setUserIndex3( from.getUserIndex3() );
-	to.forceActivationState( from.getActivationState() );
+	const int state = from.getActivationState();
+	to.forceActivationState( state == WANTS_DEACTIVATION ? ACTIVE_TAG : state ); // it has not been at rest itself
 }
 
 /// Returns the new index of each old node in the piece; kNoNode for nodes of other pieces.

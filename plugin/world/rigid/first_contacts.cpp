@@ -51,14 +51,14 @@ void completeContacts( const btBroadphasePair& pair, btCollisionObject& turned, 
 	btManifoldArray manifolds;
 	pair.m_algorithm->getAllContactManifolds( manifolds );
 	btVector3 axes[3] = { btVector3( 1, 0, 0 ), btVector3( 0, 1, 0 ), btVector3( 0, 0, 1 ) };
-	btScalar threshold = 0;
+	btScalar threshold = SIMD_INFINITY; // m, the smallest
 	int incomplete = 0;
 	for ( int m = 0; m < manifolds.size(); ++m )
 	{
 		const btPersistentManifold& manifold = *manifolds[m];
 		if ( manifold.getNumContacts() > 0 && manifold.getNumContacts() < MANIFOLD_CACHE_SIZE )
 		{
-			threshold = manifold.getContactBreakingThreshold();
+			threshold = btMin( threshold, manifold.getContactBreakingThreshold() );
 			if ( ++incomplete == 1 )
 			{
 				btPlaneSpace1( manifold.getContactPoint( 0 ).m_normalWorldOnB, axes[0], axes[1] );
@@ -120,7 +120,7 @@ void addNodeContacts( const btBroadphasePair& pair, SoftBody& soft, NodeSearch& 
 	}
 }
 
-/// Whether the object is a body in its rigid state that has been at rest for some steps.
+/// Whether the object is a body in its rigid state that has been at rest within the last second or so.
 bool isResting( btCollisionObject& object )
 {
 	const SoftBody* const soft = asSoftBody( &object );

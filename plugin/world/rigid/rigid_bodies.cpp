@@ -40,16 +40,24 @@ btRigidBody* turningSide( const btCollisionObject* side )
 /// Hulls touch in points, material in an area. Its friction has an arm, and its pressure moves to one side before the body rolls: a crumb
 /// neither spins on a corner without end nor rolls on. Only the relative rotation changes, by two torque impulses, N m s:
 ///
-///   about the normal: at most r mu J,   across it: at most kRollingArm r ( r_node / R )^2 J
+///   about the normal: at most r mu J,   across it: at most r min( 1, kRollingArm ( r_node / R )^2 ) J
 ///
-/// r: radius of the area, J: the manifold's normal impulse, R: radius of the body
-void brakeRotation( btPersistentManifold& manifold, const SoftBody& body )
+/// r: radius of the area, J: the manifold's normal impulse, R: radius of the body's bounding sphere. The larger values of two bodies count.
+void brakeRotation( btPersistentManifold& manifold )
 {
-	btVector3 centre;
-	btScalar bodyRadius;
-	body.impl().rigidProxy->getCollisionShape()->getBoundingSphere( centre, bodyRadius );
-	const btScalar node = body.impl().shape->smallestRadius(), radius = kContactArea * node;
-	const btScalar size = node / bodyRadius, arm = radius * btMin( kRollingArm * size * size, btScalar( 1 ) );
+	btScalar radius = 0, arm = 0;
+	for ( const SoftBody* body : { ownerOfRigidProxy( manifold.getBody0() ), ownerOfRigidProxy( manifold.getBody1() ) } )
+	{
+		if ( body )
+		{
+			btVector3 centre;
+			btScalar whole;
+			body->impl().rigidProxy->getCollisionShape()->getBoundingSphere( centre, whole );
+			const btScalar node = body->impl().shape->smallestRadius(), size = node / whole;
+			radius = btMax( radius, kContactArea * node );
+			arm = btMax( arm, kContactArea * node * btMin( kRollingArm * size * size, btScalar( 1 ) ) );
+		}
+	}
 	btScalar spin = 0, roll = 0;
 	btVector3 normal( 0, 0, 0 );
 	for ( int k = 0; k < manifold.getNumContacts(); ++k )
@@ -64,7 +72,7 @@ void brakeRotation( btPersistentManifold& manifold, const SoftBody& body )
 	{
 		return;
 	}
-	normal.normalize();
+	normal /= normal.length();
 	btRigidBody *const first = turningSide( manifold.getBody0() ), *const second = turningSide( manifold.getBody1() );
 	const btVector3 none( 0, 0, 0 );
 	const auto brake = [&]( const btVector3& axis, btScalar limit ) {
@@ -83,9 +91,9 @@ void brakeRotation( btPersistentManifold& manifold, const SoftBody& body )
 	brake( normal, spin );
 	const btVector3 turn = ( second ? second->getAngularVelocity() : none ) - ( first ? first->getAngularVelocity() : none );
 	const btVector3 across = turn - normal.dot( turn ) * normal;
-	if ( across.length2() > 0 )
+	if ( !across.fuzzyZero() )
 	{
-		brake( across.normalized(), roll );
+		brake( across / across.length(), roll );
 	}
 }
 
@@ -348,7 +356,7 @@ void SoftBodySystem::brakeRigidProxies( btDispatcher& dispatcher )
 		}
 		if ( canBrakeSpin( manifold ) )
 		{
-			brakeRotation( manifold, first ? *first : *second );
+			brakeRotation( manifold );
 		}
 		if ( impulseOf( manifold ) > 0.0 )
 		{

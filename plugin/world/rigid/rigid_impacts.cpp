@@ -41,12 +41,11 @@ btVector3 velocityAt( const btCollisionObject& side, const btVector3& point )
 bool breaksAsRigid( const SoftBody& body, double gameStep )
 {
 	const SoftBody::Impl& impl = body.impl();
-	return !impl.isScenery && !impl.body->rigidState()->isHeld && std::isfinite( impl.body->weakestBreakStrain() ) &&
-		impactsPass( body, gameStep );
+	return !impl.isScenery && !impl.body->rigidState()->isHeld && !impl.body->isInelastic() &&
+		std::isfinite( impl.body->weakestBreakStrain() ) && impactsPass( body, gameStep );
 }
 
-/// The factor to a contact's impulse that stops its approach at once: one that closes a gap within the substep ends at the velocity of
-/// that.
+/// The factor to a contact's impulse that stops all of its approach: Bullet leaves the velocity that closes a gap within the substep.
 double stoppingFactor( const RigidApproach& at, double h )
 {
 	const double closing = std::max( double( at.manifold->getContactPoint( at.point ).m_distance1 ), 0.0 ) / h;

@@ -30,7 +30,7 @@ bool arePinsStill( const SoftBody& body );
 double largestApproach( const Body& body, double mass, bool passes );
 
 /// Whether an impact on a free body in its rigid state is over within a step of `h`, s, and nothing of its deformation is left to see: it
-/// breaks what it breaks without the body deforming (rigid_impacts.cpp).
+/// breaks what it breaks without the body deforming (rigid_impacts.cpp). So does one on a body in which nothing deforms.
 bool impactsPass( const SoftBody& body, double h );
 
 } // namespace pliant

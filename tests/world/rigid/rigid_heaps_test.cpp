@@ -183,6 +183,29 @@ TEST( RigidHeaps, ACrumbStopsRolling )
 	EXPECT_LT( crumb->linearVelocity().length(), 0.02f );
 }
 
+// It fell asleep where it was slowest: motion used its time at rest up, but not all of it.
+TEST( RigidHeaps, WhatIsThrownOffComesDown )
+{
+	TestWorld test;
+	test.addFloor();
+	btRigidBody* const lift = test.addBox( 500, btVector3( 0.3f, 0.1f, 0.3f ), at( 0, 0.1f, 0 ) );
+	lift->setActivationState( DISABLE_DEACTIVATION );
+	SoftBody* const body = test.addSoft( block( 3, 3, 3, 0.1f ), at( 0, 0.36f, 0 ), stiffRigid( 1e9f, 0.02f ) );
+	test.run( 300 );
+	ASSERT_TRUE( body->isRigid() && body->isActive() );
+	ASSERT_GT( body->getDeactivationTime(), 2.0f );
+	lift->setLinearVelocity( btVector3( 0, btScalar( 2.2 ), 0 ) );
+	btScalar highest = 0;
+	for ( int frame = 0; frame < 120; ++frame )
+	{
+		test.run( 1 );
+		highest = std::max( highest, body->massCentre().y() );
+		lift->setLinearVelocity( frame == 3 ? btVector3( 0, -2, 0 ) : lift->getLinearVelocity() );
+	}
+	EXPECT_GT( highest, 0.45f );
+	EXPECT_LT( body->massCentre().y(), 0.4f );
+}
+
 /// Distance from a point to the nearest hull of a body in its rigid state, m; below 0 inside.
 double distanceToHulls( const SoftBody& body, const Vec3d& point )
 {
